@@ -102,11 +102,11 @@ def fit_noise(
         densities = np.array([logarithms[0], 0.0, logarithms[1], 0.0])
         return trials.ahead(scaled(noise, densities), rows, ~rows & False, turn)
 
-    def likely(given: Predictions, parity: int) -> float:
+    def likely(predictions: Predictions, parity: int) -> float:
         """One gross error counts as much as the gate lets through."""
-        one = given.of(parity)
-        beyond = np.maximum(0.0, np.sum(one.normalised**2, axis=1) - limit)
-        return float(np.sum(one.densities + 0.5 * beyond))
+        half = predictions.of(parity)
+        beyond = np.maximum(0.0, np.sum(half.normalised**2, axis=1) - limit)
+        return float(np.sum(half.densities + 0.5 * beyond))
 
     best = np.zeros(2)
     first = at = predicted(best)
@@ -115,10 +115,10 @@ def fit_noise(
         return noise
     for step, ways in _GLANCE_STEPS:
         for way in step * np.array(ways):
-            told = _TOLD * np.sign(way.sum())
+            allowed_loss = _TOLD * np.sign(way.sum())
             while np.all((best + way >= 0.0) & (best + way <= _MOST)):
                 tried = predicted(best + way)
-                if likely(tried, 1) <= likely(at, 1) - told:
+                if likely(tried, 1) <= likely(at, 1) - allowed_loss:
                     break
                 best, at = best + way, tried
     if likely(at, 0) <= likely(first, 0):

@@ -100,7 +100,7 @@ def fuse(
         noise = fit_noise(
             measurements, imu, noise, imu_T_camera, settings=chosen, time_offset_s=time_offset_s
         )
-    found = fuse_unjudged(
+    fused = fuse_unjudged(
         measurements,
         imu,
         noise,
@@ -112,8 +112,8 @@ def fuse(
         time_offset_s=time_offset_s,
         state_covariances=state_covariances,
     )
-    given = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
-    return replace(found, health=fused_health(*given, found), noise=noise)
+    inputs = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
+    return replace(fused, health=fused_health(*inputs, fused), noise=noise)
 
 
 def checked_lag(lag_s: float, smoothed: bool) -> float:

@@ -54,10 +54,10 @@ def wanted_stamps(
     if stamps_ns is None:
         return measured_ns
     start, last = measured_ns[0], imu.time_ns[-1]
-    given = np.asarray(stamps_ns)
-    if given.dtype.kind != "i" or given.ndim != 1 or np.any(np.diff(given) <= 0):
+    stamps = np.asarray(stamps_ns)
+    if stamps.dtype.kind != "i" or stamps.ndim != 1 or np.any(np.diff(stamps) <= 0):
         raise ValueError("stamps_ns: expected rising integer nanoseconds (M,), got others")
-    wanted: IntArray = given[(given >= start) & (given <= last)].astype(np.int64)
+    wanted: IntArray = stamps[(stamps >= start) & (stamps <= last)].astype(np.int64)
     if wanted.size == 0:
         raise ValueError(f"stamps_ns: expected some within [{start}, {last}], got none")
     return wanted
@@ -80,7 +80,7 @@ def by_segment(
         return fused(measurements, parts[0], stamps_ns)
     measured_ns = measurements.trajectory.time_ns + shift_ns
     wanted = measured_ns if stamps_ns is None else wanted_stamps(measured_ns, imu, stamps_ns)
-    made = []
+    paths = []
     for part in parts:
         first, last = part.time_ns[[0, -1]]
         inside = np.flatnonzero((measured_ns >= first) & (measured_ns <= last))
@@ -89,13 +89,13 @@ def by_segment(
         here = wanted[(wanted >= measured_ns[inside[0]]) & (wanted <= last)]
         if here.size:
             own = PoseMeasurements(measurements.trajectory[inside], measurements.covariance[inside])
-            made.append(fused(own, part, here))
-    if not made:
+            paths.append(fused(own, part, here))
+    if not paths:
         raise ValueError(
             f"measurements and imu: expected stamps in one of the {len(parts)} segments between "
             "gaps of the imu, got none"
         )
-    return made[0] if len(made) == 1 else Fused.joined(made)
+    return paths[0] if len(paths) == 1 else Fused.joined(paths)
 
 
 _EXTRINSICS = slice(17, 23)

@@ -23,7 +23,7 @@ def fused_health(
     imu_T_camera: Motor,
     time_offset_s: float,
     settings: FilterSettings,
-    found: Fused,
+    fused: Fused,
 ) -> Health:
     """Test the inputs, then the outcome, and log what is wrong; see `check_health`."""
     of_inputs = check_health(
@@ -37,12 +37,12 @@ def fused_health(
         time_offset_sigma_s=settings.time_offset_sigma_s,
     )
     covered = covariance_findings(
-        found.trajectory.time_ns, found.covariance, found.state_covariance
+        fused.trajectory.time_ns, fused.covariance, fused.state_covariance
     )
-    accepted = found.accepted[np.isfinite(found.nis)]
-    biases = found.gyro_bias_rad_s, found.accel_bias_m_s2
+    accepted = fused.accepted[np.isfinite(fused.nis)]
+    biases = fused.gyro_bias_rad_s, fused.accel_bias_m_s2
     health = with_outcome(of_inputs, accepted, *biases, covered)
-    for one in health.findings:
-        if one.fault != "deviations_modelled":
-            log.warning("%s", one.summary)
+    for finding in health.findings:
+        if finding.fault != "deviations_modelled":
+            log.warning("%s", finding.summary)
     return health

@@ -51,8 +51,9 @@ def latency_curve(
     true = whole.motors if reference is None else reference.motors_at(whole.time_ns)
     errors = []
     for lag_s in lags:
-        found = (whole if lag_s == np.inf else fused_with(float(lag_s)).trajectory).motors
-        metres, degrees = absolute_translation_m(found, true), np.rad2deg(rotation_rad(found, true))
+        estimated = (whole if lag_s == np.inf else fused_with(float(lag_s)).trajectory).motors
+        metres = absolute_translation_m(estimated, true)
+        degrees = np.rad2deg(rotation_rad(estimated, true))
         errors.append([np.sqrt(np.mean(metres**2)), np.sqrt(np.mean(degrees**2))])
     position_m, rotation_deg = np.array(errors).T
     return LatencyCurve(lags, position_m, rotation_deg)

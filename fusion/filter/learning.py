@@ -136,19 +136,19 @@ def learn_noise(
             "fatol": 0.1,  # of a log likelihood, far below what decides anything
         },
     )
-    told = _as_far_as_told(lambda one: trials.predicted(scaled(noise, one)), best.x)
-    found = scaled(noise, told)
-    given, made = (trials.predicted(one) for one in (noise, found))
-    before, after = _score(*given), _score(*made)
-    factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(told).tolist(), strict=True))
-    allowed = (1.0 + _GROWTH) ** 2 * _squares(given[1], 0)
+    learnt = _as_far_as_told(lambda tried: trials.predicted(scaled(noise, tried)), best.x)
+    candidate = scaled(noise, learnt)
+    predicted_before, predicted_after = (trials.predicted(one) for one in (noise, candidate))
+    before, after = _score(*predicted_before), _score(*predicted_after)
+    factors = tuple(zip(DENSITIES_AND_WALKS, np.exp(learnt).tolist(), strict=True))
+    allowed = (1.0 + _GROWTH) ** 2 * _squares(predicted_before[1], 0)
     better = (
         after.log_density > before.log_density
         and after.held_out_log_density >= before.held_out_log_density
-        and not _surely_above_zero(_squares(made[1], 0) - allowed)
+        and not _surely_above_zero(_squares(predicted_after[1], 0) - allowed)
     )
     return LearntNoise(
-        found if better else noise, better, _summary(better, factors, before, after), factors,
+        candidate if better else noise, better, _summary(better, factors, before, after), factors,
         before, after,
     )  # fmt: skip
 
@@ -157,12 +157,12 @@ def _by_turn(ahead: Predictions, held: Predictions) -> FloatArray:
     """Log likelihood of each turn to learn from, and of what was held out in it."""
     turns = np.unique(ahead.of(1).turn)
     row = np.searchsorted(turns, ahead.of(1).turn)
-    made = np.bincount(row, ahead.of(1).densities, len(turns))
+    likely = np.bincount(row, ahead.of(1).densities, len(turns))
     # The errors of a span are nearly one draw: it counts as one pose.
     spans = held.of(1)
     at = np.searchsorted(turns, spans.turn)
     count = np.bincount(at, minlength=len(turns))
-    both: FloatArray = made + np.bincount(at, spans.densities, len(turns)) / np.maximum(count, 1)
+    both: FloatArray = likely + np.bincount(at, spans.densities, len(turns)) / np.maximum(count, 1)
     return both
 
 
@@ -186,7 +186,7 @@ def _surely_above_zero(differences: FloatArray) -> bool:
 
 
 def _as_far_as_told(
-    predicted: Callable[[FloatArray], tuple[Predictions, Predictions]], found: FloatArray
+    predicted: Callable[[FloatArray], tuple[Predictions, Predictions]], logarithms: FloatArray
 ) -> FloatArray:
     """Each figure as near to where it started as turns do not contradict, one after another.
 
@@ -195,37 +195,37 @@ def _as_far_as_told(
     them share. White noise that was found larger stays so, for too little of it is what makes a
     path believe itself.
     """
-    best = predicted(found)
+    best = predicted(logarithms)
     likely, squares = _by_turn(*best), _squares(best[1], 1)
-    told = found.copy()
+    nearest = logarithms.copy()
 
     def contradicted(tried: FloatArray) -> bool:
-        made = predicted(tried)
-        return _surely_above_zero(likely - _by_turn(*made)) or _surely_above_zero(
-            _squares(made[1], 1) - (1.0 + _GROWTH) ** 2 * squares
+        predictions = predicted(tried)
+        return _surely_above_zero(likely - _by_turn(*predictions)) or _surely_above_zero(
+            _squares(predictions[1], 1) - (1.0 + _GROWTH) ** 2 * squares
         )
 
     for k, name in enumerate(DENSITIES_AND_WALKS):
-        if "density" in name and told[k] >= 0.0:
+        if "density" in name and nearest[k] >= 0.0:
             continue
-        start, shares = told[k], np.array([0.0, 1.0])
-        tried = told.copy()
+        start, shares = nearest[k], np.array([0.0, 1.0])
+        tried = nearest.copy()
         tried[k] = 0.0
         if not contradicted(tried):
-            told = tried
+            nearest = tried
             continue
         while (shares[1] - shares[0]) * abs(start) > _NEAR:
             tried[k] = start * (1.0 - shares.mean())
             shares[int(contradicted(tried))] = shares.mean()
-        told[k] = start * (1.0 - shares[0])
-    return told
+        nearest[k] = start * (1.0 - shares[0])
+    return nearest
 
 
 def _summary(
     better: bool, factors: tuple[tuple[str, float], ...], before: NoiseScore, after: NoiseScore
 ) -> str:
     gyro, gyro_walk, accel, accel_walk = (factor for _, factor in factors)
-    found = (
+    figures = (
         f"gyroscope {gyro:.2g} times the density and {gyro_walk:.2g} times the walk, "
         f"accelerometer {accel:.2g} and {accel_walk:.2g} times"
     )
@@ -235,8 +235,10 @@ def _summary(
         f"their error {1e3 * before.held_out_m:.0f} to {1e3 * after.held_out_m:.0f} mm"
     )
     if better:
-        return f"the noise was learnt from the recording: {found}; where it was judged, {gain}"
-    return f"the noise stays as it was, for {found} predicts no better where it was judged: {gain}"
+        return f"the noise was learnt from the recording: {figures}; where it was judged, {gain}"
+    return (
+        f"the noise stays as it was, for {figures} predicts no better where it was judged: {gain}"
+    )
 
 
 def scaled(noise: ImuNoise, logarithms: FloatArray) -> ImuNoise:
@@ -278,8 +280,8 @@ class Predictions:
     @classmethod
     def joined(cls, parts: list[Predictions]) -> Predictions:
         """One after another."""
-        return cls(*(np.concatenate(one) for one in zip(*(vars(p).values() for p in parts),
-                                                         strict=True)))  # fmt: skip
+        return cls(*(np.concatenate(arrays) for arrays in zip(*(vars(p).values() for p in parts),
+                                                               strict=True)))  # fmt: skip
 
     def of(self, parity: int) -> Predictions:
         """Those of every other turn: 1 to learn from, 0 to judge by."""
@@ -343,13 +345,13 @@ class Trials:
         known = PoseMeasurements(path[~out], covariance[~out])
         # Just before it is measured itself: a nanosecond moves nothing.
         stamps = path.time_ns + round(1e9 * self.time_offset_s) - 1
-        found = fuse_unjudged(
+        fused = fuse_unjudged(
             known, self.imu, noise, self.imu_T_camera, stamps[rows], settings=self.settings,
             lag_s=0.0, time_offset_s=self.time_offset_s, state_covariances=False,
         )  # fmt: skip
-        at = np.flatnonzero(np.isin(stamps, found.trajectory.time_ns) & rows)
-        twist = found.trajectory.motors.local(path.motors[at])
-        return Predictions.from_twists(twist, found.covariance + covariance[at], turn[at])
+        at = np.flatnonzero(np.isin(stamps, fused.trajectory.time_ns) & rows)
+        twist = fused.trajectory.motors.local(path.motors[at])
+        return Predictions.from_twists(twist, fused.covariance + covariance[at], turn[at])
 
 
 def _score(ahead: Predictions, held: Predictions) -> NoiseScore:

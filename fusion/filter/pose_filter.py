@@ -253,8 +253,8 @@ class PoseFilter:
     @property
     def state(self) -> FilterState | None:
         """What is known at the last inertial sample; None before the start."""
-        found = self._engine.state()
-        return None if found is None else self._state(found)
+        known = self._engine.state()
+        return None if known is None else self._state(known)
 
     def state_at(self, time_ns: int) -> FilterState:
         """What is known by now of a moment within the last `lag_s`: the path answered late.
@@ -273,13 +273,13 @@ class PoseFilter:
                 else (f"one within [{newest.time_ns - self._lag_ns}, {newest.time_ns}]")
             )
             raise ValueError(f"time_ns: expected {span}, got {time_ns}")
-        found = newest if time_ns == newest.time_ns else self._engine.state_at(time_ns)
-        if found is None:
+        known = newest if time_ns == newest.time_ns else self._engine.state_at(time_ns)
+        if known is None:
             raise ValueError(f"time_ns: expected a moment after the start, got {time_ns}")
-        return found if isinstance(found, FilterState) else self._state(found)
+        return known if isinstance(known, FilterState) else self._state(known)
 
-    def _state(self, found: Any) -> FilterState:
-        time_ns, pose, velocity, bias, gravity, extrinsics, offset_s, covariance = found
+    def _state(self, known: Any) -> FilterState:
+        time_ns, pose, velocity, bias, gravity, extrinsics, offset_s, covariance = known
         down = np.array([0.0, 0.0, -self._settings.gravity_m_s2])
         _, since_ns = self._engine.doubted()
         return FilterState(
@@ -321,14 +321,16 @@ class PoseFilter:
             )
         )
 
-    def _keep_earlier(self, given: Measurements) -> None:
+    def _keep_earlier(self, measurements: Measurements) -> None:
         if not self._relative:
             raise ValueError(
-                f"{given.name} measurements: expected a filter that keeps an earlier pose, got "
-                "another; give it relative=True"
+                f"{measurements.name} measurements: expected a filter that keeps an earlier "
+                "pose, got another; give it relative=True"
             )
-        assert given.since_ns is not None
-        steps = list(zip(given.since_ns.tolist(), given.time_ns.tolist(), strict=True))
+        assert measurements.since_ns is not None
+        steps = list(
+            zip(measurements.since_ns.tolist(), measurements.time_ns.tolist(), strict=True)
+        )
         newest = max((end for _, end in [*self._steps, *steps]), default=0)
         recent = [one for one in self._steps if one[1] >= newest - self._history_ns]
         both = np.array([*recent, *steps], dtype=np.int64).reshape(-1, 2)

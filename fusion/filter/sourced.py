@@ -58,7 +58,7 @@ class Judgement:
         )
 
 
-def predicted(given: Measurements, row: int, known: FloatArray) -> FloatArray:
+def predicted(measurements: Measurements, row: int, known: FloatArray) -> FloatArray:
     """Residual and its Jacobian ``(m, 31)`` of a row, at the state that the filter holds.
 
     Raises:
@@ -77,26 +77,26 @@ def predicted(given: Measurements, row: int, known: FloatArray) -> FloatArray:
         known[45:53],
         float(known[53]),
     )
-    residual, jacobian = given.residual(row, state), given.jacobian(row, state)
-    size = given.covariance.shape[-1]
+    residual, jacobian = measurements.residual(row, state), measurements.jacobian(row, state)
+    size = measurements.covariance.shape[-1]
     if np.shape(residual) != (size,) or np.shape(jacobian) != (size, ERROR_NUMBERS):
         raise ValueError(
-            f"{given.name} measurements: expected a residual {(size,)} and a jacobian "
+            f"{measurements.name} measurements: expected a residual {(size,)} and a jacobian "
             f"{(size, ERROR_NUMBERS)}, got {np.shape(residual)} and {np.shape(jacobian)}"
         )
-    made = np.empty((size, 1 + ERROR_NUMBERS))
-    made[:, 0], made[:, 1:] = residual, jacobian
-    if not np.isfinite(made).all():
+    linearised = np.empty((size, 1 + ERROR_NUMBERS))
+    linearised[:, 0], linearised[:, 1:] = residual, jacobian
+    if not np.isfinite(linearised).all():
         raise ValueError(
-            f"{given.name} measurements: expected a finite residual and jacobian, got NaN or "
-            f"infinity at {given.time_ns[row]} ns"
+            f"{measurements.name} measurements: expected a finite residual and jacobian, got "
+            f"NaN or infinity at {measurements.time_ns[row]} ns"
         )
-    return made
+    return linearised
 
 
-def prediction(given: Measurements) -> Callable[[int, FloatArray], FloatArray]:
+def prediction(measurements: Measurements) -> Callable[[int, FloatArray], FloatArray]:
     """What the compiled filter calls."""
-    return lambda row, known: predicted(given, row, known)
+    return lambda row, known: predicted(measurements, row, known)
 
 
 def checked_also(also: Sequence[Measurements]) -> tuple[Measurements, ...]:
@@ -130,30 +130,30 @@ def check_steps(steps: Sequence[tuple[IntArray, IntArray]]) -> None:
         )
 
 
-def rows_within(given: Measurements, first_ns: int, last_ns: int) -> IntArray:
+def rows_within(measurements: Measurements, first_ns: int, last_ns: int) -> IntArray:
     """Rows of a kind whose moments all lie within a span."""
-    inside = (given.time_ns >= first_ns) & (given.time_ns <= last_ns)
-    if given.since_ns is not None:
-        inside &= given.since_ns >= first_ns
+    inside = (measurements.time_ns >= first_ns) & (measurements.time_ns <= last_ns)
+    if measurements.since_ns is not None:
+        inside &= measurements.since_ns >= first_ns
     return np.flatnonzero(inside)
 
 
 def schedule(run: Engine, also: Sequence[Measurements], first_ns: int, last_ns: int) -> None:
     """Give the filter all measurements within a span."""
-    for number, given in enumerate(also):
-        rows = rows_within(given, first_ns, last_ns)
+    for number, measurements in enumerate(also):
+        rows = rows_within(measurements, first_ns, last_ns)
         if not rows.size:
             continue
-        if given.since_ns is not None:
-            starts = np.unique(given.since_ns[rows])
+        if measurements.since_ns is not None:
+            starts = np.unique(measurements.since_ns[rows])
             run.schedule(KEEP, starts, np.zeros((len(starts), 0)), None, None, None, -1)
         run.schedule(
             SOURCED,
-            np.ascontiguousarray(given.time_ns[rows], dtype=np.int64),
-            np.ascontiguousarray(given.covariance[rows].reshape(len(rows), -1)),
+            np.ascontiguousarray(measurements.time_ns[rows], dtype=np.int64),
+            np.ascontiguousarray(measurements.covariance[rows].reshape(len(rows), -1)),
             None,
             rows.astype(np.int64),
-            prediction(given),
+            prediction(measurements),
             number,
         )
 
@@ -162,11 +162,12 @@ def judgements(
     also: Sequence[Measurements], about: NDArray[np.int64], values: FloatArray, *, live: bool
 ) -> tuple[Judgement, ...]:
     """What became of each kind, by what the filter says of its events."""
-    made = []
-    for number, given in enumerate(also):
+    judged = []
+    for number, measurements in enumerate(also):
         own = (about[:, 2] == SOURCED) & (about[:, 4] == number)
-        rows, found = about[own, 1], values[own, 2:] if live else values[own, :2]
-        nis, accepted = np.full(len(given), np.nan), np.zeros(len(given), dtype=np.bool_)
-        nis[rows], accepted[rows] = found[:, 0], found[:, 1] > 0.0
-        made.append(Judgement(given.name, given.time_ns, nis, accepted))
-    return tuple(made)
+        rows, outcomes = about[own, 1], values[own, 2:] if live else values[own, :2]
+        nis = np.full(len(measurements), np.nan)
+        accepted = np.zeros(len(measurements), dtype=np.bool_)
+        nis[rows], accepted[rows] = outcomes[:, 0], outcomes[:, 1] > 0.0
+        judged.append(Judgement(measurements.name, measurements.time_ns, nis, accepted))
+    return tuple(judged)

@@ -39,13 +39,13 @@ def fuse_unjudged(
     chosen, kinds = settings or FilterSettings(), checked_also(also)
     shift_ns = checked_span_ns(time_offset_s, "time_offset_s")
 
-    def one(given: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
+    def fuse_part(measured: PoseMeasurements, stream: ImuStream, stamps: IntArray | None) -> Fused:
         return _fused(
-            given, stream, noise, imu_T_camera, stamps, kinds, chosen, lag_s, time_offset_s,
+            measured, stream, noise, imu_T_camera, stamps, kinds, chosen, lag_s, time_offset_s,
             state_covariances,
         )  # fmt: skip
 
-    return by_segment(one, measurements, imu, stamps_ns, shift_ns)
+    return by_segment(fuse_part, measurements, imu, stamps_ns, shift_ns)
 
 
 def _fused(
@@ -68,7 +68,7 @@ def _fused(
     smoothed = ahead_s > 0.0
     lag_s = ahead_s if np.isfinite(ahead_s) else 0.0
     run = engine(chosen, noise, imu_T_camera, time_offset_s, keeps_earlier=relates, lag_s=lag_s)
-    made = _Made.empty(len(wanted))
+    outputs = _Made.empty(len(wanted))
     size = chosen.error_size
     whole = np.zeros((len(wanted) if state_covariances else 0, size, size))
     columns = [
@@ -81,7 +81,7 @@ def _fused(
     schedule(run, also, first_ns, last_ns)
     run.outputs(
         np.ascontiguousarray(wanted),
-        *made.arrays,
+        *outputs.arrays,
         whole=whole if state_covariances else None,
         final=smoothed and lag_s == 0.0,
     )
@@ -92,8 +92,10 @@ def _fused(
     others = judgements(also, *run.judged(), live=not smoothed)
     given_up_ns = run.doubted()[0]
     del run  # which holds more than the result does
-    found = made.fused(wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2)
-    return replace(found, also=others, given_up_ns=given_up_ns)
+    fused = outputs.fused(
+        wanted, measurements.trajectory, whole, nis, accepted, chosen.gravity_m_s2
+    )
+    return replace(fused, also=others, given_up_ns=given_up_ns)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,8 +150,8 @@ class _Made:
 def _schedule(run: Engine, measurements: PoseMeasurements) -> None:
     path = measurements.trajectory
     stamps, poses, covariances = (
-        np.ascontiguousarray(one)
-        for one in (path.time_ns, path.motors.coefficients, measurements.covariance)
+        np.ascontiguousarray(array)
+        for array in (path.time_ns, path.motors.coefficients, measurements.covariance)
     )
     noise = covariances.reshape(-1, 36)
     run.schedule(KINDS["camera_pose"], stamps, poses, noise, None, None, -1)

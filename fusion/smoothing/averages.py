@@ -52,7 +52,7 @@ def averaged(
         weights: see `Weights`.
     """
     coordinates = np.asfortranarray(representation.coordinates(trajectory.poses))
-    made = np.empty_like(coordinates)
+    means = np.empty_like(coordinates)
     for part in _segments(first, last):
         windows = Windows.of(trajectory.time_ns, part, first, last, weights)
         at, before = coordinates[part], np.inf
@@ -64,8 +64,8 @@ def averaged(
             if np.max(np.abs(moves)) < _SETTLED:
                 break
             before = sizes
-        made[part] = at
-    return restored(representation, made, trajectory)
+        means[part] = at
+    return restored(representation, means, trajectory)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ def polynomial_at_centre(
     u its coefficients are ``(VᵀWV)⁻¹VᵀW``, of which this is row `derivative`. Windows that hold too
     few poses for the order get the highest that they determine, and 0 where that has no such row.
     """
-    made = np.zeros_like(u)
+    factors = np.zeros_like(u)
     degree = np.minimum(order, np.count_nonzero(inside, axis=0) - 1)
     for p in np.unique(degree):
         columns = degree == p
@@ -149,8 +149,8 @@ def polynomial_at_centre(
             continue
         if np.all(columns):
             return _fitted(u, weight, int(p), derivative)
-        made[:, columns] = _fitted(u[:, columns], weight[:, columns], int(p), derivative)
-    return made
+        factors[:, columns] = _fitted(u[:, columns], weight[:, columns], int(p), derivative)
+    return factors
 
 
 def _fitted(u: FloatArray, weight: FloatArray, order: int, derivative: int) -> FloatArray:
@@ -168,8 +168,8 @@ def _fitted(u: FloatArray, weight: FloatArray, order: int, derivative: int) -> F
         factors = u * (slope / determinant) + constant / determinant
     else:
         factors = _polynomials(moments, u, order, derivative)
-    made: FloatArray = weight * factors
-    return made
+    weighted: FloatArray = weight * factors
+    return weighted
 
 
 def _polynomials(

@@ -30,7 +30,7 @@ def changes(raw: Trajectory, smoothed: Trajectory) -> dict[str, float | None]:
     shift_m = np.linalg.norm(after.translation_m - before.translation_m, axis=-1)
     turn = (before.rotor.inverse() @ after.rotor).as_rotation_vector()
     turn_deg = np.rad2deg(np.linalg.norm(turn, axis=-1))
-    made: dict[str, float | None] = {
+    figures: dict[str, float | None] = {
         "shift_rms_m": float(np.sqrt(np.mean(shift_m**2))),
         "shift_max_m": float(np.max(shift_m)),
         "turned_rms_deg": float(np.sqrt(np.mean(turn_deg**2))),
@@ -38,9 +38,9 @@ def changes(raw: Trajectory, smoothed: Trajectory) -> dict[str, float | None]:
     }
     for name, trajectory in (("raw", raw), ("smoothed", smoothed)):
         linear, angular = _jitter(trajectory)
-        made[f"{name}_linear_jitter_m_s2"] = linear
-        made[f"{name}_angular_jitter_rad_s2"] = angular
-    return made
+        figures[f"{name}_linear_jitter_m_s2"] = linear
+        figures[f"{name}_angular_jitter_rad_s2"] = angular
+    return figures
 
 
 def _jitter(trajectory: Trajectory) -> tuple[float | None, float | None]:
@@ -49,7 +49,7 @@ def _jitter(trajectory: Trajectory) -> tuple[float | None, float | None]:
     rate_hz = 1.0 / float(np.median(np.diff(trajectory.time_s)))
     rigid = Trajectory(trajectory.time_ns, trajectory.poses.rigid)
     try:
-        found = jitter_above(rigid, min(_ABOVE_HZ, 0.25 * rate_hz))
+        jitter = jitter_above(rigid, min(_ABOVE_HZ, 0.25 * rate_hz))
     except NotObservableError:
         return None, None
-    return found.linear_m_s2, found.angular_rad_s2
+    return jitter.linear_m_s2, jitter.angular_rad_s2

@@ -168,7 +168,7 @@ def _beside_gaps(twist: FloatArray, steps: _Steps) -> FloatArray:
     padded = np.concatenate([[False], near, [False]])
     for at in np.flatnonzero(~(padded[:-1] | padded[1:])):
         beside = [one for one in (at - 1, at) if 0 <= one < len(step_s)]
-        nearer = min(beside, key=lambda one: step_s[one])
+        nearer = min(beside, key=lambda step: step_s[step])
         twist[at] = screws[nearer] / step_s[nearer]
     return twist
 
@@ -190,10 +190,10 @@ def _tridiagonal(
     down, up = -below[odd] / diagonal[:-1:2], -above[odd] / diagonal[2::2]
     kept = right[odd] + down[:, None] * right[:-1:2] + up[:, None] * right[2::2]
     middle = diagonal[odd] + down * above[:-1:2] + up * below[2::2]
-    made = np.zeros(right.shape)
-    made[odd] = _tridiagonal(down * below[:-1:2], middle, up * above[2::2], kept)
+    solution = np.zeros(right.shape)
+    solution[odd] = _tridiagonal(down * below[:-1:2], middle, up * above[2::2], kept)
     rest = right[even].copy()
-    rest[1:] -= below[2::2, None] * made[odd]
-    rest[:-1] -= above[:-1:2, None] * made[odd]
-    made[even] = rest / diagonal[even, None]
-    return made[:count]
+    rest[1:] -= below[2::2, None] * solution[odd]
+    rest[:-1] -= above[:-1:2, None] * solution[odd]
+    solution[even] = rest / diagonal[even, None]
+    return solution[:count]

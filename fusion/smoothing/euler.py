@@ -28,20 +28,22 @@ class EulerAngles(Representation):
     _rigid_size = 6
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
-        made = np.empty((len(poses), 6))
+        coordinates = np.empty((len(poses), 6))
         for rows in _chunks(len(poses)):
             double = poses[rows].astype(np.float64)
-            made[rows, :3], made[rows, 3:] = double.as_euler_translation(self.sequence)
-        return made
+            coordinates[rows, :3], coordinates[rows, 3:] = double.as_euler_translation(
+                self.sequence
+            )
+        return coordinates
 
     def _rigid_poses(self, coordinates: FloatArray) -> Motor:
         flat = coordinates.reshape(-1, 6)
-        made = np.empty((len(flat), 8))
+        coefficients = np.empty((len(flat), 8))
         for rows in _chunks(len(flat)):
             angles, translation = flat[rows, :3], flat[rows, 3:]
             poses = Motor.from_euler_translation(angles, translation, self.sequence)
-            made[rows] = poses.coefficients
-        return Motor(made.reshape(*coordinates.shape[:-1], 8))
+            coefficients[rows] = poses.coefficients
+        return Motor(coefficients.reshape(*coordinates.shape[:-1], 8))
 
 
 def _chunks(count: int) -> list[slice]:
@@ -60,9 +62,9 @@ class UnwrappedEulerAngles(EulerAngles):
         return np.concatenate([angles, coordinates[..., 3:]], axis=-1)
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
-        made = super()._rigid_coordinates(poses)
-        made[:, :3] = np.unwrap(made[:, :3], axis=0)
-        return made
+        coordinates = super()._rigid_coordinates(poses)
+        coordinates[:, :3] = np.unwrap(coordinates[:, :3], axis=0)
+        return coordinates
 
 
 class FollowedEulerAngles(EulerAngles):
@@ -103,9 +105,9 @@ class FollowedEulerAngles(EulerAngles):
 
     def vectors_from_compiled(self, vectors: FloatArray) -> FloatArray:
         """The third angle turns the other way where the order is not cyclic."""
-        made = vectors.copy()
-        made[..., 2] *= self._third
-        return made
+        turned = vectors.copy()
+        turned[..., 2] *= self._third
+        return turned
 
     def continued(self, coordinates: FloatArray, previous: FloatArray) -> FloatArray:
         """The triple that is nearest to the one before."""
@@ -113,9 +115,9 @@ class FollowedEulerAngles(EulerAngles):
         return np.concatenate([angles, coordinates[..., 3:]], axis=-1)
 
     def _rigid_coordinates(self, poses: Motor) -> FloatArray:
-        made = super()._rigid_coordinates(poses)
-        made[:, :3] = follow_euler(made[:, :3], self.sequence)
-        return made
+        coordinates = super()._rigid_coordinates(poses)
+        coordinates[:, :3] = follow_euler(coordinates[:, :3], self.sequence)
+        return coordinates
 
 
 def _turned(poses: P, left: Rotor, right: Rotor) -> P:

@@ -93,17 +93,17 @@ class GivenPoses:
         Raises:
             ValueError: none, or no times.
         """
-        given = np.asarray(times)
-        if self.stamped and given.dtype.kind != "O" and given.dtype.kind not in "mM":
-            return checked_stamps(given, "times")
-        return nanoseconds_of(times, given.size, "times")
+        stamps = np.asarray(times)
+        if self.stamped and stamps.dtype.kind != "O" and stamps.dtype.kind not in "mM":
+            return checked_stamps(stamps, "times")
+        return nanoseconds_of(times, stamps.size, "times")
 
 
-def with_trajectories(given: Any, time_s: Any, verb: Callable[[Trajectory], Trajectory]) -> Any:
+def with_trajectories(poses: Any, time_s: Any, verb: Callable[[Trajectory], Trajectory]) -> Any:
     """Do something with given poses as trajectories, and give the result as they came.
 
     Args:
-        given: a `Trajectory`, or what the table of this module names.
+        poses: a `Trajectory`, or what the table of this module names.
         time_s: ``(N,)`` seconds, datetimes or numpy datetime64, for what has no stamps.
         verb: keeps the stamps.
 
@@ -111,15 +111,15 @@ def with_trajectories(given: Any, time_s: Any, verb: Callable[[Trajectory], Traj
         TypeError: poses of a kind that is not in the table.
         ValueError: poses without stamps, stamps that do not fit, or numbers that are no poses.
     """
-    made = each_path(given, time_s, lambda one: one.written(verb(one.trajectory), None))
-    return _stacked(made, given)
+    written = each_path(poses, time_s, lambda body: body.written(verb(body.trajectory), None))
+    return _stacked(written, poses)
 
 
-def each_path(given: Any, time_s: Any, use: Callable[[GivenPoses], R]) -> Any:
+def each_path(poses: Any, time_s: Any, use: Callable[[GivenPoses], R]) -> Any:
     """What a function makes of given poses; of a dict a dict of it, of a stack a list.
 
     Args:
-        given: as `with_trajectories`.
+        poses: as `with_trajectories`.
         time_s: as there.
         use: of the poses of each body.
 
@@ -127,78 +127,78 @@ def each_path(given: Any, time_s: Any, use: Callable[[GivenPoses], R]) -> Any:
         TypeError: as there.
         ValueError: as there.
     """
-    if isinstance(given, Trajectory):
+    if isinstance(poses, Trajectory):
         if time_s is not None:
             raise ValueError("time_s: expected none beside a trajectory, which has its own stamps")
-        return use(GivenPoses(given, lambda made, _: made, stamped=True))
-    if getattr(given, "shape", None) and 0 in given.shape:
-        raise ValueError(f"poses: expected at least one, got an array of shape {given.shape}")
-    if isinstance(given, dict):
-        return {name: each_path(one, time_s, use) for name, one in given.items()}
-    if _library(given) == "torch":
+        return use(GivenPoses(poses, lambda trajectory, _: trajectory, stamped=True))
+    if getattr(poses, "shape", None) and 0 in poses.shape:
+        raise ValueError(f"poses: expected at least one, got an array of shape {poses.shape}")
+    if isinstance(poses, dict):
+        return {name: each_path(one, time_s, use) for name, one in poses.items()}
+    if _library(poses) == "torch":
         return each_path(
-            given.detach().cpu().numpy(), time_s, lambda one: use(_as_tensors(one, given))
+            poses.detach().cpu().numpy(), time_s, lambda body: use(_as_tensors(body, poses))
         )
-    if _bodies(given):
-        return [each_path(one, time_s, use) for one in given]
-    return use(_read(given, time_s))
+    if _bodies(poses):
+        return [each_path(one, time_s, use) for one in poses]
+    return use(_read(poses, time_s))
 
 
 def _as_tensors(poses: GivenPoses, like: Any) -> GivenPoses:
-    def written(made: Trajectory, times: Any) -> Any:
-        tensor = sys.modules["torch"].from_numpy(poses.written(made, times)).to(like.device)
+    def written(trajectory: Trajectory, times: Any) -> Any:
+        tensor = sys.modules["torch"].from_numpy(poses.written(trajectory, times)).to(like.device)
         return tensor.to(like.dtype) if like.is_floating_point() else tensor
 
     return replace(poses, written=written)
 
 
-def _stacked(made: Any, like: Any) -> Any:
+def _stacked(bodies: Any, like: Any) -> Any:
     """Bodies that came as a stack as one."""
     if isinstance(like, dict):
-        return {name: _stacked(one, like[name]) for name, one in made.items()}
-    if not isinstance(made, list) or isinstance(like, list):
-        return made
-    return (sys.modules["torch"] if _library(like) == "torch" else np).stack(made)
+        return {name: _stacked(one, like[name]) for name, one in bodies.items()}
+    if not isinstance(bodies, list) or isinstance(like, list):
+        return bodies
+    return (sys.modules["torch"] if _library(like) == "torch" else np).stack(bodies)
 
 
-def _library(given: Any) -> str:
-    return type(given).__module__.partition(".")[0]
+def _library(instance: Any) -> str:
+    return type(instance).__module__.partition(".")[0]
 
 
-def _bodies(given: Any) -> bool:
-    if not isinstance(given, np.ndarray):
+def _bodies(poses: Any) -> bool:
+    if not isinstance(poses, np.ndarray):
         return False
-    shape = given.shape
+    shape = poses.shape
     return shape[2:] in ((7,), (8,)) or (len(shape) == 4 and shape[2:] in ((3, 4), (4, 4)))
 
 
-def _read(given: Any, time_s: Any) -> GivenPoses:
-    kind = type(given).__name__
-    if isinstance(given, Motor | Similarity):
-        return GivenPoses(_stamped(given, time_s), lambda made, _: made.poses)
-    if isinstance(given, np.ndarray):
-        return _array(given, time_s)
-    if _library(given) == "scipy" and kind in ("Rotation", "RigidTransform"):
-        return _scipy(given, time_s)
-    if _library(given) == "pandas" and kind == "DataFrame":
-        return _table(given, time_s)
-    if _library(given) == "evo" and kind in ("PoseTrajectory3D", "PosePath3D"):
-        return _evo(given, time_s)
-    if isinstance(given, list) and given and type(given[0]).__name__ == "Pose3":
-        return _pose3(given, time_s)
-    if isinstance(given, tuple) and len(given) == 2 and np.shape(given[0])[1:] == (3,):
-        return _positions_and_rotations(given, time_s)
+def _read(poses: Any, time_s: Any) -> GivenPoses:
+    kind = type(poses).__name__
+    if isinstance(poses, Motor | Similarity):
+        return GivenPoses(_stamped(poses, time_s), lambda trajectory, _: trajectory.poses)
+    if isinstance(poses, np.ndarray):
+        return _array(poses, time_s)
+    if _library(poses) == "scipy" and kind in ("Rotation", "RigidTransform"):
+        return _scipy(poses, time_s)
+    if _library(poses) == "pandas" and kind == "DataFrame":
+        return _table(poses, time_s)
+    if _library(poses) == "evo" and kind in ("PoseTrajectory3D", "PosePath3D"):
+        return _evo(poses, time_s)
+    if isinstance(poses, list) and poses and type(poses[0]).__name__ == "Pose3":
+        return _pose3(poses, time_s)
+    if isinstance(poses, tuple) and len(poses) == 2 and np.shape(poses[0])[1:] == (3,):
+        return _positions_and_rotations(poses, time_s)
     if (
-        isinstance(given, list | tuple)
-        and given
-        and isinstance(given[0], list | tuple | np.ndarray)
+        isinstance(poses, list | tuple)
+        and poses
+        and isinstance(poses[0], list | tuple | np.ndarray)
     ):
-        return _rows(given, time_s)
+        return _rows(poses, time_s)
     raise TypeError(
         "poses: expected a Trajectory, an array (N, 7), (N, 8), (N, 3, 4) or (N, 4, 4), a list of "
         "its rows, positions beside a Rotor or scipy's Rotation, a torch tensor, scipy's Rotation "
         "or RigidTransform, a pandas DataFrame, evo's PoseTrajectory3D or PosePath3D, a list "
-        f"of gtsam's Pose3 or a dict of these, got {type(given).__name__}"
+        f"of gtsam's Pose3 or a dict of these, got {type(poses).__name__}"
     )
 
 
@@ -223,35 +223,38 @@ def _from_rows(rows: FloatArray) -> Motor:
     return Motor.from_quaternion_translation(wxyz / length, rows[:, :3])
 
 
-def _to_rows(made: Trajectory, like_wxyz: FloatArray, like_ns: IntArray) -> FloatArray:
+def _to_rows(trajectory: Trajectory, like_wxyz: FloatArray, like_ns: IntArray) -> FloatArray:
     """Rows ``(M, 7)`` with the signs of the quaternions ``(N, 4)`` at the nearest of stamps."""
-    wxyz, translation = made.motors.as_quaternion_translation()
-    if not np.array_equal(made.time_ns, like_ns):
-        after = np.clip(np.searchsorted(like_ns, made.time_ns), 1, max(1, len(like_ns) - 1))
+    wxyz, translation = trajectory.motors.as_quaternion_translation()
+    if not np.array_equal(trajectory.time_ns, like_ns):
+        after = np.clip(np.searchsorted(like_ns, trajectory.time_ns), 1, max(1, len(like_ns) - 1))
         late = (
-            len(like_ns) > 1 and made.time_ns - like_ns[after - 1] > like_ns[after] - made.time_ns
+            len(like_ns) > 1
+            and trajectory.time_ns - like_ns[after - 1] > like_ns[after] - trajectory.time_ns
         )
         like_wxyz = like_wxyz[np.where(late, after, after - 1)]
     wxyz *= np.where(np.sum(wxyz * like_wxyz, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
     return np.concatenate([translation, wxyz[:, 1:], wxyz[:, :1]], axis=-1)
 
 
-def _array(given: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
-    precision = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
-    if given.dtype.kind == "c":
-        raise ValueError(f"poses: expected real numbers, got dtype {given.dtype}")
-    numbers = without_mask(given, "poses").astype(np.float64)
+def _array(array: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
+    precision = array.dtype if array.dtype.kind == "f" else np.dtype(np.float64)
+    if array.dtype.kind == "c":
+        raise ValueError(f"poses: expected real numbers, got dtype {array.dtype}")
+    numbers = without_mask(array, "poses").astype(np.float64)
     if numbers.ndim == 3 and numbers.shape[1:] in ((3, 4), (4, 4)):
         kept = numbers.shape[1]
         whole = np.concatenate(
             [numbers, np.tile([0.0, 0.0, 0.0, 1.0], (len(numbers), 4 - kept, 1))], 1
         )
         path = _stamped(Motor.from_matrix(whole), time_s)
-        return GivenPoses(path, lambda made, _: made.motors.as_matrix()[:, :kept].astype(precision))
+        return GivenPoses(
+            path, lambda trajectory, _: trajectory.motors.as_matrix()[:, :kept].astype(precision)
+        )
     if numbers.ndim != 2 or numbers.shape[1] not in (7, 8):
         raise ValueError(
             "poses: expected an array (N, 7) of x, y, z, qx, qy, qz, qw, (N, 8) with a stamp "
-            f"before it, (N, 3, 4) or (N, 4, 4), got {given.shape}"
+            f"before it, (N, 3, 4) or (N, 4, 4), got {array.shape}"
         )
     rows, own = numbers[:, -7:], numbers.shape[1] == 8
     if own:
@@ -260,37 +263,37 @@ def _array(given: np.ndarray[Any, Any], time_s: Any) -> GivenPoses:
         time_s = numbers[:, 0]
     path = _stamped(_from_rows(rows), time_s)
 
-    def written(made: Trajectory, times: Any) -> np.ndarray[Any, Any]:
-        out = _to_rows(made, rows[:, [6, 3, 4, 5]], path.time_ns)
+    def written(trajectory: Trajectory, times: Any) -> np.ndarray[Any, Any]:
+        out = _to_rows(trajectory, rows[:, [6, 3, 4, 5]], path.time_ns)
         if own:
-            out = np.column_stack([time_s if times is None else _seconds(made, times), out])
+            out = np.column_stack([time_s if times is None else _seconds(trajectory, times), out])
         return out.astype(precision)
 
     return GivenPoses(path, written)
 
 
-def _rows(given: Any, time_s: Any) -> GivenPoses:
+def _rows(sequence: Any, time_s: Any) -> GivenPoses:
     """Rows in a list or tuple, of numbers or of arrays, which come back in a list."""
     try:
-        poses = _array(np.asarray(given, dtype=np.float64), time_s)
+        poses = _array(np.asarray(sequence, dtype=np.float64), time_s)
     except TypeError as no_numbers:
         raise TypeError(f"poses: expected rows of numbers, {no_numbers}") from no_numbers
-    in_arrays = isinstance(given[0], np.ndarray)
+    in_arrays = isinstance(sequence[0], np.ndarray)
 
-    def written(made: Trajectory, times: Any) -> Any:
-        rows = poses.written(made, times)
+    def written(trajectory: Trajectory, times: Any) -> Any:
+        rows = poses.written(trajectory, times)
         return list(rows) if in_arrays else rows.tolist()
 
     return replace(poses, written=written)
 
 
-def _positions_and_rotations(given: tuple[Any, Any], time_s: Any) -> GivenPoses:
+def _positions_and_rotations(pair: tuple[Any, Any], time_s: Any) -> GivenPoses:
     """Positions beside rotations that know their own order, as bare quaternions do not.
 
     No recording tells it: to read qx, qy, qz, qw for qw, qx, qy, qz inverts every rotation between
     two that are constant, so that a path is as smooth, and turns by as much, in either order.
     """
-    positions, turns = given
+    positions, turns = pair
     if not isinstance(turns, Rotor) and _library(turns) != "scipy":
         raise ValueError(
             "poses: expected rotations beside the positions that tell the order of their "
@@ -307,37 +310,41 @@ def _positions_and_rotations(given: tuple[Any, Any], time_s: Any) -> GivenPoses:
         )
     poses = _array(np.column_stack([positions, xyzw]), time_s)
 
-    def written(made: Trajectory, times: Any) -> Any:
-        rows = poses.written(made, times)
+    def written(trajectory: Trajectory, times: Any) -> Any:
+        rows = poses.written(trajectory, times)
         back = rows[:, [6, 3, 4, 5]] if own else rows[:, 3:]
         return rows[:, :3], Rotor.from_quaternion(back) if own else type(turns).from_quat(back)
 
     return replace(poses, written=written)
 
 
-def _seconds(made: Trajectory, times: Any) -> FloatArray:
+def _seconds(trajectory: Trajectory, times: Any) -> FloatArray:
     """Other times as the seconds that poses were stamped with."""
-    given = np.asarray(times)
-    return np.asarray(given if given.dtype.kind in "fiu" else 1e-9 * made.time_ns, dtype=np.float64)
+    stamps = np.asarray(times)
+    return np.asarray(
+        stamps if stamps.dtype.kind in "fiu" else 1e-9 * trajectory.time_ns, dtype=np.float64
+    )
 
 
-def _scipy(given: Any, time_s: Any) -> GivenPoses:
-    kind = type(given)
+def _scipy(transforms: Any, time_s: Any) -> GivenPoses:
+    kind = type(transforms)
     if kind.__name__ == "RigidTransform":
-        path = _stamped(Motor.from_matrix(given.as_matrix()), time_s)
-        return GivenPoses(path, lambda made, _: kind.from_matrix(made.motors.as_matrix()))
-    wxyz = np.atleast_2d(given.as_quat())[:, [3, 0, 1, 2]]
+        path = _stamped(Motor.from_matrix(transforms.as_matrix()), time_s)
+        return GivenPoses(
+            path, lambda trajectory, _: kind.from_matrix(trajectory.motors.as_matrix())
+        )
+    wxyz = np.atleast_2d(transforms.as_quat())[:, [3, 0, 1, 2]]
     turned = Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), np.zeros((len(wxyz), 3)))
     path = _stamped(turned, time_s)
 
-    def written(made: Trajectory, _: Any) -> Any:
-        return kind.from_quat(_to_rows(made, wxyz, path.time_ns)[:, 3:])
+    def written(trajectory: Trajectory, _: Any) -> Any:
+        return kind.from_quat(_to_rows(trajectory, wxyz, path.time_ns)[:, 3:])
 
     return GivenPoses(path, written)
 
 
-def _table(given: Any, time_s: Any) -> GivenPoses:
-    columns = [str(one) for one in given.columns]
+def _table(table: Any, time_s: Any) -> GivenPoses:
+    columns = [str(one) for one in table.columns]
     poses = _pose_columns(columns)
     spare = [name for name in columns if name not in poses]
     stamps = [*_STAMPS, *(name for name in columns if name.endswith(_ROS_STAMP))]
@@ -349,21 +356,21 @@ def _table(given: Any, time_s: Any) -> GivenPoses:
     named = [name for name in stamps if name in columns]
     kept = named[0] if named and time_s is None else None
     if time_s is None:
-        time_s = _index(given, spare) if kept is None else given[kept].to_numpy()
+        time_s = _index(table, spare) if kept is None else table[kept].to_numpy()
         if time_s.dtype.kind in "iu" and np.all(time_s > _NANOSECONDS):
             time_s = time_s.astype("m8[ns]")
-    rows = np.column_stack([_column(given, name) for name in poses])
+    rows = np.column_stack([_column(table, name) for name in poses])
     path = _stamped(_from_rows(rows), time_s)
 
-    def written(made: Trajectory, times: Any) -> Any:
-        moved = _to_rows(made, rows[:, [6, 3, 4, 5]], path.time_ns)
+    def written(trajectory: Trajectory, times: Any) -> Any:
+        moved = _to_rows(trajectory, rows[:, [6, 3, 4, 5]], path.time_ns)
         if times is None:
-            out = given.copy()
+            out = table.copy()
             out[poses] = moved
             return out
         if kept is None:
-            return type(given)(moved, columns=poses, index=times)
-        return type(given)(moved, columns=poses).assign(**{kept: times})[[kept, *poses]]
+            return type(table)(moved, columns=poses, index=times)
+        return type(table)(moved, columns=poses).assign(**{kept: times})[[kept, *poses]]
 
     return GivenPoses(path, written)
 
@@ -393,12 +400,12 @@ def _pose_columns(columns: list[str]) -> list[str]:
     return list(_POSES)
 
 
-def _column(given: Any, name: str) -> FloatArray:
+def _column(table: Any, name: str) -> FloatArray:
     """The numbers ``(N,)`` of a table's column."""
-    if given[name].dtype.kind == "c":
+    if table[name].dtype.kind == "c":
         raise ValueError(f"poses: expected real numbers in column {name}, got complex ones")
     try:
-        return np.asarray(given[name].to_numpy(dtype=np.float64))
+        return np.asarray(table[name].to_numpy(dtype=np.float64))
     except (TypeError, ValueError) as no_numbers:
         raise ValueError(f"poses: expected numbers in column {name}, {no_numbers}") from no_numbers
 
@@ -409,9 +416,9 @@ def _near_column(name: str, spare: list[str]) -> str:
     return f"did you mean {alike[0]}?" if alike else did_you_mean(name, spare)
 
 
-def _index(given: Any, spare: list[str]) -> Any:
+def _index(table: Any, spare: list[str]) -> Any:
     """The index, where it is one of stamps and not of row numbers."""
-    stamps = given.index
+    stamps = table.index
     if getattr(stamps, "tz", None) is not None:
         stamps = stamps.tz_convert("UTC").tz_localize(None)
     if stamps.dtype.kind in "mMf":
@@ -424,31 +431,33 @@ def _index(given: Any, spare: list[str]) -> Any:
     )
 
 
-def _evo(given: Any, time_s: Any) -> GivenPoses:
-    stamped = type(given).__name__ == "PoseTrajectory3D"
+def _evo(evo_path: Any, time_s: Any) -> GivenPoses:
+    stamped = type(evo_path).__name__ == "PoseTrajectory3D"
     if stamped and time_s is not None:
         raise ValueError("time_s: expected none beside evo's trajectory, which has its own stamps")
-    wxyz = np.asarray(given.orientations_quat_wxyz, dtype=np.float64)
-    poses = Motor.from_quaternion_translation(wxyz, given.positions_xyz)
-    path = _stamped(poses, given.timestamps if stamped else time_s)
+    wxyz = np.asarray(evo_path.orientations_quat_wxyz, dtype=np.float64)
+    poses = Motor.from_quaternion_translation(wxyz, evo_path.positions_xyz)
+    path = _stamped(poses, evo_path.timestamps if stamped else time_s)
 
-    def written(made: Trajectory, times: Any) -> Any:
-        rows = _to_rows(made, wxyz, path.time_ns)
+    def written(trajectory: Trajectory, times: Any) -> Any:
+        rows = _to_rows(trajectory, wxyz, path.time_ns)
         own = {}
         if stamped:
-            seconds = given.timestamps if times is None else _seconds(made, times)
+            seconds = evo_path.timestamps if times is None else _seconds(trajectory, times)
             own["timestamps"] = np.array(seconds)
-        return type(given)(
+        return type(evo_path)(
             positions_xyz=rows[:, :3],
             orientations_quat_wxyz=rows[:, [6, 3, 4, 5]],
-            meta=copy.deepcopy(given.meta),
+            meta=copy.deepcopy(evo_path.meta),
             **own,
         )
 
     return GivenPoses(path, written)
 
 
-def _pose3(given: list[Any], time_s: Any) -> GivenPoses:
-    kind = type(given[0])
-    path = _stamped(Motor.from_matrix(np.array([one.matrix() for one in given])), time_s)
-    return GivenPoses(path, lambda made, _: [kind(matrix) for matrix in made.motors.as_matrix()])
+def _pose3(poses: list[Any], time_s: Any) -> GivenPoses:
+    kind = type(poses[0])
+    path = _stamped(Motor.from_matrix(np.array([one.matrix() for one in poses])), time_s)
+    return GivenPoses(
+        path, lambda trajectory, _: [kind(matrix) for matrix in trajectory.motors.as_matrix()]
+    )

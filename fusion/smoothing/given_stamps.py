@@ -44,14 +44,14 @@ def nanoseconds_of(times: Any, count: int, name: str = "time_s") -> IntArray:
     if stamps.dtype.kind in "mM":
         if np.isnat(stamps).any():
             raise ValueError(f"{name}: expected a moment for every pose, got NaT")
-        made = stamps.astype(f"{stamps.dtype.kind}8[ns]")
+        in_ns = stamps.astype(f"{stamps.dtype.kind}8[ns]")
         days = f"{stamps.dtype.kind}8[D]"
-        far = np.flatnonzero(made.astype(days) != stamps.astype(days))
+        far = np.flatnonzero(in_ns.astype(days) != stamps.astype(days))
         if far.size:
             raise ValueError(
                 f"{name}: expected stamps within 146 years of 1970, got {stamps[far[0]]}"
             )
-        return made.astype(np.int64)
+        return in_ns.astype(np.int64)
     seconds = checked_floats(stamps, name, ())
     if count > 1 and float(np.median(np.diff(seconds))) > _SLOWEST_S:
         raise ValueError(
@@ -67,19 +67,19 @@ def nanoseconds_of(times: Any, count: int, name: str = "time_s") -> IntArray:
     return np.round(1e9 * seconds).astype(np.int64)
 
 
-def without_mask(given: Any, name: str) -> np.ndarray[Any, Any]:
+def without_mask(array: Any, name: str) -> np.ndarray[Any, Any]:
     """The plain array of what comes.
 
     Raises:
         ValueError: rows that are masked, whose numbers mean nothing.
     """
-    rows = np.unique(np.nonzero(np.ma.getmaskarray(given))[0]) if np.ma.isMA(given) else ()
+    rows = np.unique(np.nonzero(np.ma.getmaskarray(array))[0]) if np.ma.isMA(array) else ()
     if len(rows):
         raise ValueError(
             f"{name}: expected numbers in every row, got {len(rows)} masked: {listed(rows)}; leave "
             "these rows out"
         )
-    return np.asarray(given)
+    return np.asarray(array)
 
 
 def listed(rows: Sequence[int] | IntArray) -> str:
@@ -87,12 +87,12 @@ def listed(rows: Sequence[int] | IntArray) -> str:
     return ", ".join(map(str, rows[:_ROWS_NAMED])) + (", …" if len(rows) > _ROWS_NAMED else "")
 
 
-def _moments(given: np.ndarray[Any, Any], name: str) -> np.ndarray[Any, Any]:
+def _moments(moments: np.ndarray[Any, Any], name: str) -> np.ndarray[Any, Any]:
     """Datetimes, or stamps of pandas to the nanosecond, in universal time; all or none zoned."""
-    zones = {getattr(one, "tzinfo", None) is not None for one in given}
+    zones = {getattr(one, "tzinfo", None) is not None for one in moments}
     if len(zones) > 1:
         raise ValueError(f"{name}: expected datetimes all with a zone or all without, got both")
-    return np.array([_moment(one, name) for one in given])
+    return np.array([_moment(one, name) for one in moments])
 
 
 def _moment(moment: Any, name: str) -> np.datetime64 | np.timedelta64:

@@ -150,10 +150,10 @@ class LiveSmoother:
         if len(trajectory) < _FEWEST:
             return trajectory
         poses = trajectory.motors.astype(np.float64)
-        given = np.concatenate([poses.translation_m, poses.rotor.coefficients], axis=-1)
-        out = np.empty(given.shape)  # rows, however the conversions laid theirs
+        measured = np.concatenate([poses.translation_m, poses.rotor.coefficients], axis=-1)
+        out = np.empty(measured.shape)  # rows, however the conversions laid theirs
         # Seconds since the first stamp: those since 1970 would be rounded to a quarter microsecond.
         time_s = 1e-9 * (trajectory.time_ns - trajectory.time_ns[0])
-        _live.smooth(self.lag_s, self.memory_s, time_s, np.ascontiguousarray(given), out)
-        made = Motor.from_rotor_translation(Rotor(out[:, 3:]), out[:, :3])
-        return Trajectory(trajectory.time_ns, made, trajectory.parent, trajectory.child)
+        _live.smooth(self.lag_s, self.memory_s, time_s, np.ascontiguousarray(measured), out)
+        smoothed = Motor.from_rotor_translation(Rotor(out[:, 3:]), out[:, :3])
+        return Trajectory(trajectory.time_ns, smoothed, trajectory.parent, trajectory.child)

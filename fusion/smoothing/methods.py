@@ -144,8 +144,8 @@ def smooth(
         return each_path(
             trajectory,
             time_s,
-            lambda given: smoothed_in_full(
-                given, method, averaged_as(given.trajectory), function, known | parameters
+            lambda poses: smoothed_in_full(
+                poses, method, averaged_as(poses.trajectory), function, known | parameters
             ),
         )
     return with_trajectories(
@@ -202,7 +202,7 @@ def parsed_parameters(
         >>> parsed_parameters("gaussian", ["sigma_s=0.2", "order=0"])
         {'sigma_s': 0.2, 'order': 0}
     """
-    known, made = method_parameters(name), dict[str, Any]()
+    known, parameters = method_parameters(name), dict[str, Any]()
     for setting in settings:
         key, equals, text = (part.strip() for part in setting.partition("="))
         if not equals or key not in known:
@@ -212,7 +212,7 @@ def parsed_parameters(
             )
         kind = float if known[key] is None else type(known[key])
         try:
-            made[key] = kind(text)
+            parameters[key] = kind(text)
         except ValueError:
             raise ValueError(f"{called} {key}: expected {kind.__name__}, got {text!r}") from None
-    return made
+    return parameters

@@ -139,11 +139,11 @@ class Rotors(Representation):
         return np.concatenate([turned, base[..., 4:] + vector[..., 3:]], axis=-1)
 
     def _rigid_local_jacobians(self, vector: FloatArray) -> tuple[FloatArray, FloatArray]:
-        made = [np.zeros((len(vector), 6, 6)) for _ in range(2)]
+        jacobians = [np.zeros((len(vector), 6, 6)) for _ in range(2)]
         turning = _inverse_jacobians(ROTORS, vector[..., :3])
-        for whole, part, sign in zip(made, turning, (-1.0, 1.0), strict=True):
+        for whole, part, sign in zip(jacobians, turning, (-1.0, 1.0), strict=True):
             whole[:, :3, :3], whole[:, 3:, 3:] = part, sign * np.eye(3)
-        return made[0], made[1]
+        return jacobians[0], jacobians[1]
 
 
 def _inverse_jacobians(
@@ -164,9 +164,9 @@ class _SignedComponents(Representation):
     def _with_signs(self, components: FloatArray) -> FloatArray:
         flips = np.sum(components[1:, :4] * components[:-1, :4], axis=-1) < 0.0
         signs = np.where(np.concatenate([[False], np.cumsum(flips) % 2 == 1]), -1.0, 1.0)
-        made = components.copy()
-        made[:, : self.signed] *= signs[:, None]
-        return made
+        continuous = components.copy()
+        continuous[:, : self.signed] *= signs[:, None]
+        return continuous
 
 
 class Quaternions(_SignedComponents):
@@ -211,8 +211,8 @@ class DualQuaternions(_SignedComponents):
 
 
 REPRESENTATIONS: dict[str, Representation] = {
-    one.name: one
-    for one in (
+    representation.name: representation
+    for representation in (
         MotorTwists(),
         SimilarityTwists(),
         Rotors(),
@@ -255,12 +255,12 @@ def representation_named(name: str, poses: Poses | None = None) -> Representatio
                 f"poses come one after another; {BEST_EULER} is decided by a whole path"
             )
         return best_euler_order(poses)
-    found = EULER_ORDERS.get(name) or REPRESENTATIONS.get(name)
-    if found is None:
+    representation = EULER_ORDERS.get(name) or REPRESENTATIONS.get(name)
+    if representation is None:
         known = ", ".join(REPRESENTATION_NAMES)
         near = nearest_name(name, REPRESENTATION_NAMES)
         raise ValueError(f"representation: expected one of {known}, got {name!r}{near}")
-    return found
+    return representation
 
 
 def restored(

@@ -104,8 +104,8 @@ class SmoothingResult:
         """
         time_ns = self._given.stamps_of(times)
         like = self.trajectory
-        made = Trajectory(time_ns, self.curve.at(time_ns), like.parent, like.child)
-        return self._given.written(made, times)
+        resampled = Trajectory(time_ns, self.curve.at(time_ns), like.parent, like.child)
+        return self._given.written(resampled, times)
 
     @property
     def body_twist(self) -> FloatArray:
@@ -129,7 +129,7 @@ class SmoothingResult:
 
 
 def smoothed_in_full(
-    given: GivenPoses,
+    poses: GivenPoses,
     method: str,
     representation: Representation | None,
     function: Callable[..., Trajectory],
@@ -138,29 +138,29 @@ def smoothed_in_full(
     """Run a method and keep what it knows.
 
     Args:
-        given: what is smoothed.
+        poses: what is smoothed.
         method: its name.
         representation: what is averaged; None leaves it to "auto".
         function: what `METHODS` has under that name.
         parameters: of the method, all of them.
     """
-    path, weights = given.trajectory, np.ones(len(given.trajectory))
+    path, weights = poses.trajectory, np.ones(len(poses.trajectory))
     named = "rotor" if representation is None else representation.name
     if method == "auto" and parameters["lag_s"] is None:
         parameters = {name: value for name, value in parameters.items() if name != "lag_s"}
-        found = smoothed_automatically(
+        automatic = smoothed_automatically(
             path, None if representation is None else named, **parameters
         )
-        taken = representation_named(found.choice.representation)
+        taken = representation_named(automatic.choice.representation)
         return SmoothingResult(
-            found.trajectory,
+            automatic.trajectory,
             method,
             taken.name,
-            found.weights,
-            _covariance(found.trajectory, taken, found.deviations**2),
-            found.jumps,
-            found.choice,
-            given,
+            automatic.weights,
+            _covariance(automatic.trajectory, taken, automatic.deviations**2),
+            automatic.jumps,
+            automatic.choice,
+            poses,
         )
     model: KalmanFilter | None = None
     if method == "robust_map":
@@ -176,7 +176,7 @@ def smoothed_in_full(
         smoothed = function(path, representation, **parameters)
     none = np.zeros(0, dtype=np.int64)
     covariance = None if model is None else _isotropic(deviations[:, :, 0])
-    return SmoothingResult(smoothed, method, named, weights, covariance, none, None, given)
+    return SmoothingResult(smoothed, method, named, weights, covariance, none, None, poses)
 
 
 _MODELS: dict[str, type[KalmanFilter]] = {
@@ -208,7 +208,7 @@ def _covariance(
 ) -> FloatArray:
     """Covariances in the moving frame of variances ``(N, d)`` of a representation's components."""
     size = 7 if isinstance(path.poses, Similarity) else 6
-    made = np.empty((len(path), size, size))
+    covariances = np.empty((len(path), size, size))
     coordinates = representation.coordinates(path.poses)
     for first in range(0, len(path), _CHUNK):
         rows = slice(first, first + _CHUNK)
@@ -218,18 +218,18 @@ def _covariance(
             step = np.zeros(variance.shape[1])
             step[column] = _STEP
             ends = [
-                representation.poses(representation.retract(base, one)) for one in (step, -step)
+                representation.poses(representation.retract(base, move)) for move in (step, -step)
             ]
             later, earlier = (
-                poses.local(one if size == 7 else one.rigid)  # type: ignore[arg-type]
-                for one in ends
+                poses.local(end if size == 7 else end.rigid)  # type: ignore[arg-type]
+                for end in ends
             )
             jacobian[:, :, column] = (later - earlier) / (2.0 * _STEP)
         unobservable = np.isnan(variance[rows])
         weighted = jacobian * np.where(unobservable, 0.0, variance[rows])[:, None, :]
-        made[rows] = weighted @ np.swapaxes(jacobian, 1, 2)
+        covariances[rows] = weighted @ np.swapaxes(jacobian, 1, 2)
         if np.any(unobservable):
             reached = (np.abs(jacobian) > _STEP) & unobservable[:, None, :]
             lost = np.any(reached, axis=2)
-            made[rows][lost[:, :, None] | lost[:, None, :]] = np.nan
-    return made
+            covariances[rows][lost[:, :, None] | lost[:, None, :]] = np.nan
+    return covariances

@@ -281,7 +281,7 @@ def _updated(
 def _doubt(state: RunStates, seen: RunStates) -> FloatArray:
     """Covariance in the moving frame that makes room for an innovation, in velocity as well."""
     predicted, measured = (
-        Motor.from_rotor_translation(one.rotor, one.position_m) for one in (state, seen)
+        Motor.from_rotor_translation(states.rotor, states.position_m) for states in (state, seen)
     )
     innovation = predicted.local(measured) ** 2
     turn, shift = np.sum(innovation[:, :3], axis=-1), np.sum(innovation[:, 3:], axis=-1)

@@ -173,7 +173,8 @@ class ExtendedPoseErrors(QuaternionTranslationErrors):
     def local(self, state: RunStates, other: RunStates) -> FloatArray:
         """Logarithms of one extended pose seen from the other, and the biases' differences."""
         ours, theirs = (
-            extended_pose(one.rotor, one.position_m, one.velocity_m_s) for one in (state, other)
+            extended_pose(states.rotor, states.position_m, states.velocity_m_s)
+            for states in (state, other)
         )
         twists = ours.local(theirs)
         return np.concatenate(

@@ -88,8 +88,8 @@ def _documented(definition: Definition) -> str:
     sides = (("in", definition.inputs), ("out", definition.outputs))
     operands = [
         f"{side} {operand.name}: {' '.join(operand.components)}"
-        for side, given in sides
-        for operand in given
+        for side, of_side in sides
+        for operand in of_side
         if operand.components != (operand.name,)
     ]
     return comment([*definition.summary, *operands])

@@ -123,12 +123,12 @@ def _transition(
         far = _by_turn(turn, force, once, (third, fourth), slopes[1:])
         velocity_gyro = _sum((-h * h, _times(back, fast)))
         position_gyro = _sum((-h * h * h, _times(back, far)))
-    made = (
+    transition = (
         back, _sum((-1, _times(back, _crossing(shifted)))),
         _sum((-1, _times(back, _crossing(gained)))), right, position_gyro, velocity_gyro,
         position_accel, velocity_accel,
     )  # fmt: skip
-    return [[value for row in block for value in row] for block in made]
+    return [[value for row in block for value in row] for block in transition]
 
 
 def _by_turn(

@@ -61,15 +61,15 @@ def mirrored_back(
         sizes: of rotation and translation, as there.
         width: of Cauchy's loss, in deviations of a pose.
     """
-    found = np.zeros(len(poses), dtype=np.bool_)
+    explained = np.zeros(len(poses), dtype=np.bool_)
     coefficients = np.array(poses.coefficients)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], ~kept, [0]])))
     for first, last in edges.reshape(-1, 2):
         read = mirrored_run(time_s, poses, kept, slice(first, last), sizes, width)
         if read is not None:
             rows = first + np.flatnonzero(read[1])
-            coefficients[rows], found[rows] = read[0][read[1]].coefficients, True
-    return Motor(coefficients), found
+            coefficients[rows], explained[rows] = read[0][read[1]].coefficients, True
+    return Motor(coefficients), explained
 
 
 def mirrored_run(
@@ -98,8 +98,8 @@ def _torn(
     noise = np.repeat([one.noise for one in sizes[:2]], 3)
     mirrored = Motor(np.where(turned[:, None], read.coefficients, poses.coefficients))
     before, after = (
-        np.linalg.norm((one[:-1].inverse() @ one[1:]).as_twist() / noise, axis=1)
-        for one in (poses, mirrored)
+        np.linalg.norm((path[:-1].inverse() @ path[1:]).as_twist() / noise, axis=1)
+        for path in (poses, mirrored)
     )
     usual = _TORN * np.median(before)
     return bool(np.any((before[rows] < usual) & (after[rows] > _TORN * usual)))
@@ -226,8 +226,8 @@ class _Run:
         here = state.coordinates[self.run]
         read = [problem.written(poses, here) for poses in (self.poses, self._mirrored(marker))]
         squares = [
-            np.sum((problem.representation.local(here, one) / problem.noise) ** 2, axis=1)
-            for one in read
+            np.sum((problem.representation.local(here, coordinates) / problem.noise) ** 2, axis=1)
+            for coordinates in read
         ]
         turned = np.asarray(squares[1] <= squares[0])
         problem.measured[self.run] = np.where(turned[:, None], read[1], read[0])
@@ -257,7 +257,7 @@ class _Run:
 
 def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:
     """Centres and normals ``(M, 6)`` that explain single poses of a run."""
-    made = []
+    markers = []
     for row in rows:
         leap = poses[row] @ expected.poses[row].inverse()
         vector, shift = leap.rotor.as_rotation_vector(), leap.translation_m
@@ -274,5 +274,5 @@ def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float
             continue
         for half in (0.5 * angle, -0.5 * angle):
             normal = Rotor.from_rotation_vector(half * axis).apply(away / distance)
-            made.append(np.concatenate([centre, normal]))
-    return np.array(made).reshape(-1, 6)
+            markers.append(np.concatenate([centre, normal]))
+    return np.array(markers).reshape(-1, 6)

@@ -133,17 +133,17 @@ def chosen_models(
     Given `known`, for the last time, errors that last are looked for too; see `lasting`.
     """
     segments = _segments(measured, path, weights)
-    found = chosen(segments, orders, equal, known)
-    models = [one.model for one in found]
+    columns = chosen(segments, orders, equal, known)
+    models = [one.model for one in columns]
     if known is not None:
-        models = with_lasting_errors(segments, found, measured.representation.ends, known)
+        models = with_lasting_errors(segments, columns, measured.representation.ends, known)
         interval_s = float(np.median(np.diff(segments[0].time_s)))
         searched = np.isnan(known)
         models = [
             model.told(interval_s) if search else model
             for model, search in zip(models, searched, strict=True)
         ]
-    return AxisModels(tuple(models), float(sum(one.density for one in found)))
+    return AxisModels(tuple(models), float(sum(one.density for one in columns)))
 
 
 def smoothed_per_axis(
@@ -220,16 +220,16 @@ def smoothed_per_axis(
 
 
 def settled(
-    measured: Measured, found: PerAxisPath, models: AxisModels, tails: float
+    measured: Measured, estimate: PerAxisPath, models: AxisModels, tails: float
 ) -> PerAxisPath:
     """The same by other models and tails."""
-    weights = weights_of(found.squares, len(models.columns), tails) * measured.motion
-    return smoothed_per_axis(measured, found.coordinates, weights, models, tails, LAST_STEPS)
+    weights = weights_of(estimate.squares, len(models.columns), tails) * measured.motion
+    return smoothed_per_axis(measured, estimate.coordinates, weights, models, tails, LAST_STEPS)
 
 
 def smoother(
     measured: Measured,
-    found: PerAxisPath,
+    estimate: PerAxisPath,
     columns: tuple[ColumnModel, ...],
     tails: float,
     smoothness: float,
@@ -237,10 +237,10 @@ def smoother(
     """The same at another smoothness; poses count as they did, however far it moves from them."""
     interval_s = float(np.median(np.diff(measured.time_s)))
     models = AxisModels(tuple(one.smoother(smoothness, interval_s) for one in columns), 0.0)
-    weights = found.weights
+    weights = estimate.weights
     for _ in range(LAST_STEPS):
-        found = smoothed_per_axis(measured, found.coordinates, weights, models, tails, 1)
-    return found
+        estimate = smoothed_per_axis(measured, estimate.coordinates, weights, models, tails, 1)
+    return estimate
 
 
 def _move(representation: Representation, path: FloatArray, moved: FloatArray) -> None:
@@ -261,8 +261,8 @@ def _let_stand(path: FloatArray, known: NDArray[np.bool_]) -> None:
 def weights_of(squares: FloatArray, columns: int, tails: float) -> FloatArray:
     """How much poses ``(N,)`` count, by their distances; 0 where they are left out."""
     first = (HEAVY_TAILS + columns) / (HEAVY_TAILS + squares)
-    made = first if tails == HEAVY_TAILS else _student(squares, columns, tails)
-    return np.asarray(np.where(first < _REJECTED, 0.0, made), dtype=np.float64)
+    weights = first if tails == HEAVY_TAILS else _student(squares, columns, tails)
+    return np.asarray(np.where(first < _REJECTED, 0.0, weights), dtype=np.float64)
 
 
 def tails_of(squares: FloatArray, weights: FloatArray, columns: int) -> float:

@@ -131,8 +131,8 @@ class Problem:
         """The step downhill ``(N, 2 d)``, and those that pulls ``(N, 2 d, k)`` would make."""
         alone = np.empty((len(self.time_s), 2 * len(self.noise)))
         along = np.array(pull, order="C")
-        given = self._given(np.ones(len(self.time_s), np.bool_))
-        _robust_map.step(self._kind(), given, (loss, width), state, alone, along)
+        inputs = self._given(np.ones(len(self.time_s), np.bool_))
+        _robust_map.step(self._kind(), inputs, (loss, width), state, alone, along)
         return alone, along
 
     def retract(self, state: PathState, move: FloatArray) -> PathState:

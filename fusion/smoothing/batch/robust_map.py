@@ -202,7 +202,7 @@ def estimate_path(
     if loss not in LOSSES:
         raise ValueError(f"loss: expected one of {', '.join(LOSSES)}, got {loss!r}")
     checked_size(width, "width", "deviations")
-    given = {
+    parameters = {
         "acceleration_m_s2": acceleration_m_s2,
         "angular_acceleration_rad_s2": angular_acceleration_rad_s2,
         "noise_m": noise_m,
@@ -210,7 +210,7 @@ def estimate_path(
         "scale_acceleration_s2": scale_acceleration_s2,
         "noise_scale": noise_scale,
     }
-    for name, value in given.items():
+    for name, value in parameters.items():
         checked_size(value, name, "its unit")
     sizes = (
         Sizes(noise_rad, angular_acceleration_rad_s2),
@@ -218,37 +218,37 @@ def estimate_path(
         Sizes(noise_scale, scale_acceleration_s2),
     )
     trajectory = in_double(trajectory)
-    made: list[RobustPath] = []
+    estimates: list[RobustPath] = []
     for part in parts(trajectory.time_s, sizes):
-        found = _estimated(trajectory[part.rows], chosen, sizes, loss, width)
-        last = made[-1].velocity[-1] if made else None
-        made.append(_kept(found, part.kept, last, chosen.signed))
-    return made[0] if len(made) == 1 else _joined(made, trajectory)
+        estimate = _estimated(trajectory[part.rows], chosen, sizes, loss, width)
+        last = estimates[-1].velocity[-1] if estimates else None
+        estimates.append(_kept(estimate, part.kept, last, chosen.signed))
+    return estimates[0] if len(estimates) == 1 else _joined(estimates, trajectory)
 
 
-def _kept(found: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:
+def _kept(estimate: RobustPath, rows: slice, last: FloatArray | None, signed: int) -> RobustPath:
     """Some rows in memory of their own; components of free sign go on from the `last` velocity."""
-    velocity = found.velocity[rows].copy()
+    velocity = estimate.velocity[rows].copy()
     if signed and last is not None:
-        before = found.velocity[rows.start - 1]
+        before = estimate.velocity[rows.start - 1]
         if np.sum(before[:signed] * last[:signed]) < 0.0:
             velocity[:, :signed] *= -1.0
-    poses = type(found.trajectory.poses)(found.trajectory.poses[rows].coefficients.copy())
-    like = found.trajectory
+    poses = type(estimate.trajectory.poses)(estimate.trajectory.poses[rows].coefficients.copy())
+    like = estimate.trajectory
     kept = Trajectory(like.time_ns[rows], poses, like.parent, like.child)
-    weight, residual = found.weight[rows].copy(), found.normalised_residual[rows].copy()
-    return RobustPath(kept, weight, residual, found.mirrored[rows].copy(), velocity)
+    weight, residual = estimate.weight[rows].copy(), estimate.normalised_residual[rows].copy()
+    return RobustPath(kept, weight, residual, estimate.mirrored[rows].copy(), velocity)
 
 
-def _joined(found: Sequence[RobustPath], like: Trajectory) -> RobustPath:
-    kind = type(found[0].trajectory.poses)
-    poses = kind(np.concatenate([one.trajectory.poses.coefficients for one in found]))
+def _joined(estimates: Sequence[RobustPath], like: Trajectory) -> RobustPath:
+    kind = type(estimates[0].trajectory.poses)
+    poses = kind(np.concatenate([one.trajectory.poses.coefficients for one in estimates]))
     return RobustPath(
         Trajectory(like.time_ns, poses, like.parent, like.child),
-        np.concatenate([one.weight for one in found]),
-        np.concatenate([one.normalised_residual for one in found]),
-        np.concatenate([one.mirrored for one in found]),
-        np.concatenate([one.velocity for one in found]),
+        np.concatenate([one.weight for one in estimates]),
+        np.concatenate([one.normalised_residual for one in estimates]),
+        np.concatenate([one.mirrored for one in estimates]),
+        np.concatenate([one.velocity for one in estimates]),
     )
 
 
@@ -272,21 +272,21 @@ def _estimated(
         if reading or np.any(mirrored):
             kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         problem = Problem(representation, time_s, poses, kept, sizes)
-        found = problem.descended(
+        solution = problem.descended(
             problem.narrowed(loss, width), loss, width, np.ones_like(kept), LAST_STEPS
         )
         if loss == "squares":
             break
-        kept = loss_weights(found.squares, loss, width) >= _REJECTED
-    squares = found.squares
+        kept = loss_weights(solution.squares, loss, width) >= _REJECTED
+    squares = solution.squares
     if np.any(mirrored):
         problem.measured = representation.coordinates(trajectory.poses)
-        as_measured = problem.charged(found.state, loss, width, np.ones_like(kept))
+        as_measured = problem.charged(solution.state, loss, width, np.ones_like(kept))
         squares = np.where(mirrored, as_measured.squares, squares)
     return RobustPath(
-        restored(representation, found.state.coordinates, trajectory),
+        restored(representation, solution.state.coordinates, trajectory),
         loss_weights(squares, loss, width),
         np.sqrt(squares),
         mirrored,
-        found.state.velocity,
+        solution.state.velocity,
     )

@@ -45,13 +45,13 @@ def spline(
     checked_length(trajectory, 2, "spline")
     trajectory = in_double(trajectory)
     parts = [trajectory[part] for part in segments(trajectory.time_ns)]
-    made = [
+    smoothed = [
         _smoothed(part, representation, spacing_s).poses.coefficients
         if len(part) > 1
         else part.poses.coefficients
         for part in parts
     ]
-    return _with_poses(trajectory, type(trajectory.poses)(np.concatenate(made)))
+    return _with_poses(trajectory, type(trajectory.poses)(np.concatenate(smoothed)))
 
 
 def _smoothed(
@@ -64,9 +64,9 @@ def _smoothed(
             return _with_poses(trajectory, _motors(trajectory, spacing_s))
         rigid, scale = poses.as_motor_scale()
         fitted = _motors(_with_poses(trajectory, rigid), spacing_s)
-        given = scale if representation.scale_beside else np.log(scale)
-        found = _components(trajectory, given[:, None], spacing_s)[:, 0]
-        grown = found if representation.scale_beside else np.exp(found)
+        component = scale if representation.scale_beside else np.log(scale)
+        fitted_component = _components(trajectory, component[:, None], spacing_s)[:, 0]
+        grown = fitted_component if representation.scale_beside else np.exp(fitted_component)
         return _with_poses(trajectory, Similarity.from_motor_scale(fitted, grown))
     coordinates = representation.coordinates(poses)
     fitted_all = _components(trajectory, coordinates, spacing_s)
@@ -80,11 +80,12 @@ def _smoothed(
 
 
 def _motors(trajectory: Trajectory, spacing_s: float) -> Motor:
-    fitted, made = CumulativeBSpline.fit(trajectory, spacing_s), np.empty((len(trajectory), 8))
+    fitted = CumulativeBSpline.fit(trajectory, spacing_s)
+    coefficients = np.empty((len(trajectory), 8))
     for start in range(0, len(trajectory), _CHUNK):
         part = slice(start, start + _CHUNK)
-        made[part] = fitted.at(trajectory.time_ns[part]).coefficients
-    return Motor(made)
+        coefficients[part] = fitted.at(trajectory.time_ns[part]).coefficients
+    return Motor(coefficients)
 
 
 def _components(trajectory: Trajectory, values: FloatArray, spacing_s: float) -> FloatArray:

@@ -374,13 +374,13 @@ def _scanned(
     states: tuple[FloatArray, FloatArray] | None = None,
 ) -> tuple[Trajectory, float]:
     representation = representation_named(model.representation)
-    given = coefficients_of(trajectory, representation)
-    out = np.empty(given.shape, given.dtype)
+    measured = coefficients_of(trajectory, representation)
+    out = np.empty(measured.shape, measured.dtype)
     log_likelihood = _scans.rts(
         representation.compiled,
         isinstance(trajectory.poses, Similarity),
         model.order,
-        given,
+        measured,
         trajectory.time_ns,
         model.noise_of(trajectory),
         model.densities,

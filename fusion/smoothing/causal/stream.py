@@ -99,9 +99,9 @@ class CausalFilter(ABC):
     def _run(
         self, scan: Scan, trajectory: Trajectory, noise: FloatArray | None = None
     ) -> Trajectory:
-        given = coefficients_of(trajectory, self._averaged_as)
-        out = np.empty(given.shape, given.dtype)
-        scan.run(given, trajectory.time_ns, out, noise)
+        measured = coefficients_of(trajectory, self._averaged_as)
+        out = np.empty(measured.shape, measured.dtype)
+        scan.run(measured, trajectory.time_ns, out, noise)
         return trajectory_of(trajectory, out, self._averaged_as)
 
     def _begin(self, pose: Motor | Similarity) -> Scan:

@@ -8,7 +8,7 @@ from pathlib import Path
 from motorcade.fusion.smoothing.header import get_include, header_text
 
 if __name__ == "__main__":
-    made = Path(get_include()) / "motorcade" / "smooth.h"
-    made.parent.mkdir(parents=True, exist_ok=True)
-    made.write_text(header_text(), encoding="utf-8")
-    sys.stdout.write(f"{made}\n")
+    path = Path(get_include()) / "motorcade" / "smooth.h"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(header_text(), encoding="utf-8")
+    sys.stdout.write(f"{path}\n")
