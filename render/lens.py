@@ -145,8 +145,8 @@ class LensWarp:
             return self
         longer = copy(self)
         longer.camera, pinhole = (
-            replace(one, fx=ratio * one.fx, fy=ratio * one.fy)
-            for one in (self.camera, self.pinhole)
+            replace(camera, fx=ratio * camera.fx, fy=ratio * camera.fy)
+            for camera in (self.camera, self.pinhole)
         )
         longer.pinhole = longer.camera if self.camera is self.pinhole else pinhole
         if self.camera is self.pinhole:

@@ -265,15 +265,20 @@ class BoardTracker:
         self._since_search += 1
         if tracked is not None and not self._search_due(tracked):
             return tracked, "tracked"
-        found = self._detected(image)
+        detected = self._detected(image)
         self._since_search = 0
         if tracked is not None and self._left_share(tracked) < _LEAST_SHARE:
             tracked = None
-        if tracked is not None and (found is None or len(found.corners) < len(tracked.corners)):
+        if tracked is not None and (
+            detected is None or len(detected.corners) < len(tracked.corners)
+        ):
             return tracked, "tracked"
-        if found is not None:
-            self._search_count, self._search_error_px = len(found.corners), found.pose.error_px
-        return found, "detected"
+        if detected is not None:
+            self._search_count, self._search_error_px = (
+                len(detected.corners),
+                detected.pose.error_px,
+            )
+        return detected, "detected"
 
     def _search_due(self, tracked: _Fit) -> bool:
         if self._since_search >= self.redetect_every or self._left_share(tracked) < _GOOD_SHARE:
@@ -302,10 +307,10 @@ class BoardTracker:
         if self._image is None or self._fit is None:
             return None
         before = self._fit.corners
-        px, found = track_corners(
+        px, kept = track_corners(
             self._image, image, before.corners_px, before.corners_px, return_px=1.0, border_px=0.0
         )
-        corners = before.at(np.where(found[:, None], px, before.corners_px)).keep(found)
+        corners = before.at(np.where(kept[:, None], px, before.corners_px)).keep(kept)
         if not corners.spanning:
             return None
         fit = self._completed(

@@ -75,8 +75,8 @@ def newer_codes(family: str) -> AprilTagCodes:
         raise RuntimeError(f"the AprilTag library installed here lacks {family}") from missing
     make.restype = ctypes.POINTER(_Family)
     free.argtypes = [ctypes.POINTER(_Family)]
-    made = make()
-    table: _Family = made.contents
+    pointer = make()
+    table: _Family = pointer.contents
     try:
         if table.bits > 64 or f"{table.bits}h" not in family or table.count > 2**20:
             raise RuntimeError(f"the AprilTag library installed here lays {family} out otherwise")
@@ -89,7 +89,7 @@ def newer_codes(family: str) -> AprilTagCodes:
             white_inside=table.white_inside,
         )
     finally:
-        free(made)
+        free(pointer)
 
 
 @cache
@@ -97,7 +97,9 @@ def _library() -> ctypes.CDLL:
     import pupil_apriltags
 
     folder = Path(pupil_apriltags.__file__).parent
-    found = sorted(folder.glob("lib*/libapriltag*.so")) + sorted(folder.glob("lib*/*apriltag*.d*"))
-    if not found:
+    libraries = sorted(folder.glob("lib*/libapriltag*.so")) + sorted(
+        folder.glob("lib*/*apriltag*.d*")
+    )
+    if not libraries:
         raise RuntimeError(f"{folder}: expected the AprilTag library in it, found none")
-    return ctypes.CDLL(str(found[0]))
+    return ctypes.CDLL(str(libraries[0]))

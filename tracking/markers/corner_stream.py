@@ -59,13 +59,13 @@ class CornerStream:
         return CornerStream(self.camera, self.time_ns, *shown)
 
 
-def checked_stamps(given: IntArray, field: str) -> IntArray:
+def checked_stamps(time_ns: IntArray, field: str) -> IntArray:
     """A read-only copy of strictly increasing stamps ``(F,)``.
 
     Raises:
         ValueError: naming the field.
     """
-    stamps = np.array(given)
+    stamps = np.array(time_ns)
     if stamps.ndim != 1 or (stamps.size and stamps.dtype.kind not in "iu"):
         raise ValueError(
             f"{field}: expected (F,) whole nanoseconds, got {stamps.dtype} {stamps.shape}"

@@ -70,10 +70,10 @@ def find_markers(image: GrayImage, family: str, backend: Backend) -> Quads:
 
 
 def _find_opencv(image: GrayImage, family: str) -> Quads:
-    found, ids, _ = _aruco(family).detectMarkers(image)
+    quads, ids, _ = _aruco(family).detectMarkers(image)
     if ids is None or len(ids) == 0:
         return Quads(np.empty(0, np.int64), np.empty((0, 4, 2)))
-    corners = np.asarray(found, np.float64).reshape(-1, 4, 2)
+    corners = np.asarray(quads, np.float64).reshape(-1, 4, 2)
     return Quads(np.ravel(ids).astype(np.int64), corners)
 
 
@@ -100,14 +100,14 @@ def _loops(image: GrayImage, family: str) -> FloatArray:
 
 def _decoded(image: GrayImage, loops: FloatArray, family: str) -> Quads:
     """Markers among quads ``(m, 4, 2)``, each once."""
-    found = decode_quads(image, loops, family)
+    quads = decode_quads(image, loops, family)
     kept: list[int] = []
-    for row, corners in enumerate(found.corners_px):
-        twins = [one for one in kept if found.ids[one] == found.ids[row]]
-        apart = np.linalg.norm(found.corners_px[twins] - corners, axis=-1).max(axis=-1, initial=0.0)
+    for row, corners in enumerate(quads.corners_px):
+        twins = [one for one in kept if quads.ids[one] == quads.ids[row]]
+        apart = np.linalg.norm(quads.corners_px[twins] - corners, axis=-1).max(axis=-1, initial=0.0)
         if not twins or apart.min() > _SAME_QUAD_PX:
             kept.append(row)
-    return Quads(found.ids[kept], found.corners_px[kept])
+    return Quads(quads.ids[kept], quads.corners_px[kept])
 
 
 @cache
@@ -191,12 +191,12 @@ def detect_markers(
             gray, find_markers(gray, family, backend or backend_for(family)), family, camera
         )
     loops = _loops(gray, family)
-    found = _detected(gray, _decoded(gray, loops, family), family, camera)
-    clear = any(one.wrong_cells == 0 for one in found)
+    detections = _detected(gray, _decoded(gray, loops, family), family, camera)
+    clear = any(one.wrong_cells == 0 for one in detections)
     if clear or len(decode_quads(gray, loops, KALIBR_FAMILY).ids) == 0:
-        return found
+        return detections
     wide = _detected(gray, find_markers(gray, KALIBR_FAMILY, "loops"), KALIBR_FAMILY, camera)
-    return wide if len(wide) > len(found) else found
+    return wide if len(wide) > len(detections) else detections
 
 
 def _detected(
@@ -239,7 +239,7 @@ def _merged(quads: Quads, reading: Reading) -> list[int]:
         twins = [one for one in kept if quads.ids[one] == quads.ids[row]]
         if legible[row] and not (twins and _overlaps(quads.corners_px[[row, *twins]])):
             kept.append(int(row))
-    return sorted(kept, key=lambda one: (quads.ids[one], *centres[one]))
+    return sorted(kept, key=lambda index: (quads.ids[index], *centres[index]))
 
 
 def _overlaps(quads: FloatArray) -> bool:

@@ -66,10 +66,11 @@ class MarkerMap:
         sides = frozen(checked_floats(self.side_m, "MarkerMap.side_m", ()))
         origins = frozen(checked_floats(self.origin_m, "MarkerMap.origin_m", (3,)))
         count = len(ids)
-        given = (sides.shape, self.world_R_marker.shape, origins.shape)
-        if given != ((count,), (count,), (count, 3)):
+        shapes = (sides.shape, self.world_R_marker.shape, origins.shape)
+        if shapes != ((count,), (count,), (count, 3)):
             raise ValueError(
-                f"MarkerMap.side_m, world_R_marker, origin_m: expected {count} of each, got {given}"
+                f"MarkerMap.side_m, world_R_marker, origin_m: expected {count} of each, "
+                f"got {shapes}"
             )
         if np.any(sides <= 0.0):
             raise ValueError(f"MarkerMap.side_m: expected metres above 0, got {sides.min()}")

@@ -45,8 +45,8 @@ def planar_poses(
     matrix[..., :3, 3] = (view @ translation[..., None])[..., 0]
     rows, matrix, points = rows[fits], matrix[fits], points[fits]
     poses = Motor.from_matrix(matrix)
-    found = camera.project(poses[..., None].apply(points[:, None])) - corners_px[rows, None]
-    errors = np.sqrt(np.mean(np.sum(found**2, axis=-1), axis=-1))
+    residuals = camera.project(poses[..., None].apply(points[:, None])) - corners_px[rows, None]
+    errors = np.sqrt(np.mean(np.sum(residuals**2, axis=-1), axis=-1))
     seen = np.isfinite(errors).any(axis=-1)
     errors = np.where(np.isfinite(errors), errors, np.inf)
     order = np.argsort(errors, axis=-1, kind="stable")
@@ -82,13 +82,13 @@ def _convex(rays: FloatArray) -> NDArray[np.bool_]:
 def _homographies(flat: FloatArray, rays: FloatArray) -> FloatArray:
     """``(n, 3, 3)`` from the plane of a square with sides 1 to that of the rays, last entry 1."""
     x, y = flat[..., 0], flat[..., 1]
-    zero, one = np.zeros_like(x), np.ones_like(x)
+    zero, unit = np.zeros_like(x), np.ones_like(x)
     u, v = rays[..., 0], rays[..., 1]
-    above = np.stack([x, y, one, zero, zero, zero, -u * x, -u * y], axis=-1)
-    below = np.stack([zero, zero, zero, x, y, one, -v * x, -v * y], axis=-1)
+    above = np.stack([x, y, unit, zero, zero, zero, -u * x, -u * y], axis=-1)
+    below = np.stack([zero, zero, zero, x, y, unit, -v * x, -v * y], axis=-1)
     matrix = np.concatenate([above, below], axis=-2)
-    found = _solved(matrix, np.concatenate([u, v], axis=-1)[..., None])[..., 0]
-    return np.concatenate([found, np.ones((len(found), 1))], axis=-1).reshape(-1, 3, 3)
+    entries = _solved(matrix, np.concatenate([u, v], axis=-1)[..., None])[..., 0]
+    return np.concatenate([entries, np.ones((len(entries), 1))], axis=-1).reshape(-1, 3, 3)
 
 
 def _rotations(homography: FloatArray) -> FloatArray:
@@ -105,12 +105,12 @@ def _rotations(homography: FloatArray) -> FloatArray:
     lower = np.sqrt(np.maximum(1.0 - np.sum(upper**2, axis=-2), 0.0))
     opposite = np.sum(upper[:, :, 0] * upper[:, :, 1], axis=-1) > 0.0
     lower[:, 1] = np.where(opposite, -lower[:, 1], lower[:, 1])
-    found = np.empty((len(p), 2, 3, 3))
+    rotations = np.empty((len(p), 2, 3, 3))
     for which, sign in enumerate((1.0, -1.0)):
         columns = np.concatenate([upper, sign * lower[:, None]], axis=-2)
         third = np.cross(columns[..., 0], columns[..., 1])
-        found[:, which] = turn @ np.concatenate([columns, third[..., None]], axis=-1)
-    return _orthonormal(found)
+        rotations[:, which] = turn @ np.concatenate([columns, third[..., None]], axis=-1)
+    return _orthonormal(rotations)
 
 
 def _largest_stretch(matrix: FloatArray) -> FloatArray:
@@ -128,8 +128,8 @@ def _solved(matrix: FloatArray, right: FloatArray) -> FloatArray:
         finite = np.isfinite(matrix).all((-1, -2), keepdims=True)
         condition = np.linalg.cond(np.where(finite, matrix, 0.0))[..., None, None]
         regular = condition < _LARGEST_CONDITION
-        found = np.linalg.solve(np.where(regular, matrix, np.eye(matrix.shape[-1])), right)
-        return np.where(regular, found, np.nan)
+        solution = np.linalg.solve(np.where(regular, matrix, np.eye(matrix.shape[-1])), right)
+        return np.where(regular, solution, np.nan)
 
 
 def _orthonormal(matrix: FloatArray) -> FloatArray:
@@ -152,14 +152,14 @@ def _translations(rotation: FloatArray, flat: FloatArray, rays: FloatArray) -> F
     """``(n, 2, 3)``, by least squares in the plane of the rays."""
     turned = np.einsum("nkij,ncj->nkci", rotation[..., :2], flat)
     u, v = rays[:, None, :, 0], rays[:, None, :, 1]
-    one, zero = np.ones_like(u), np.zeros_like(u)
+    unit, zero = np.ones_like(u), np.zeros_like(u)
     matrix = np.concatenate(
-        [np.stack([one, zero, -u], axis=-1), np.stack([zero, one, -v], axis=-1)], axis=-2
+        [np.stack([unit, zero, -u], axis=-1), np.stack([zero, unit, -v], axis=-1)], axis=-2
     )
     right = np.concatenate(
         [u * turned[..., 2] - turned[..., 0], v * turned[..., 2] - turned[..., 1]], axis=-1
     )
     normal = matrix.swapaxes(-1, -2) @ matrix
     pull = matrix.swapaxes(-1, -2) @ np.broadcast_to(right[..., None], (*rotation.shape[:2], 8, 1))
-    found = _solved(np.broadcast_to(normal, (*rotation.shape[:2], 3, 3)), pull)[..., 0]
-    return np.where(found[..., 2:] > _LEAST_DEPTH, found, np.nan)
+    translation = _solved(np.broadcast_to(normal, (*rotation.shape[:2], 3, 3)), pull)[..., 0]
+    return np.where(translation[..., 2:] > _LEAST_DEPTH, translation, np.nan)

@@ -210,8 +210,8 @@ def _map_squares(corners_px: FloatArray, places: FloatArray) -> FloatArray:
     return mapped
 
 
-def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+def _cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def _without_plane(values: FloatArray, family: str) -> FloatArray:

@@ -73,14 +73,19 @@ def refind_markers(
         for row in np.flatnonzero(sharp & readable(reading))
     ]
     return tuple(
-        sorted([*found, *added], key=lambda one: (one.marker_id, *one.corners_px.mean(axis=0)))
+        sorted(
+            [*found, *added],
+            key=lambda detection: (detection.marker_id, *detection.corners_px.mean(axis=0)),
+        )
     )
 
 
-def _pose(camera: Camera, known: MarkerMap, found: tuple[Detection, ...]) -> RefinedPose | None:
+def _pose(
+    camera: Camera, known: MarkerMap, detections: tuple[Detection, ...]
+) -> RefinedPose | None:
     """The camera in the map by all found markers; None where they are too few or contradict it."""
-    ids = [one.marker_id for one in found]
-    seen = {one.marker_id: one.corners_px for one in found if ids.count(one.marker_id) == 1}
+    ids = [one.marker_id for one in detections]
+    seen = {one.marker_id: one.corners_px for one in detections if ids.count(one.marker_id) == 1}
     rows = np.flatnonzero(np.isin(known.marker_ids, list(seen)))
     if len(rows) < _LEAST_MARKERS:
         return None
@@ -89,8 +94,8 @@ def _pose(camera: Camera, known: MarkerMap, found: tuple[Detection, ...]) -> Ref
     corner_ids = (4 * rows[:, None] + np.arange(4)).ravel()
     corners = BoardCorners(corner_ids, pixels.reshape(-1, 2), points.reshape(-1, 3))
     best: RefinedPose | None = None
-    for one in np.argsort(-np.ptp(pixels, axis=1).sum(axis=-1))[:_STARTS]:
-        for start in _starts(camera, known, int(rows[one]), pixels[one]):
+    for index in np.argsort(-np.ptp(pixels, axis=1).sum(axis=-1))[:_STARTS]:
+        for start in _starts(camera, known, int(rows[index]), pixels[index]):
             try:
                 tried = refine(corners, camera, start)
             except TrackingError:

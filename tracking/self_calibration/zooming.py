@@ -73,10 +73,10 @@ def follow_zoom(
     curve = np.full(len(seen.time_s), np.log(start.numbers[0])) if log_focal is None else log_focal
     for _ in range(_ROUNDS):
         at_one = _brought(seen, state, curve, float(np.log(state.numbers[0])))
-        found = fit(at_one, state)
-        curve = curve + np.log(found.state.numbers[0] / state.numbers[0])
-        state, focal = found.state, float(found.state.numbers[0])
-        asked, weight = _asked(found)
+        body_fit = fit(at_one, state)
+        curve = curve + np.log(body_fit.state.numbers[0] / state.numbers[0])
+        state, focal = body_fit.state, float(body_fit.state.numbers[0])
+        asked, weight = _asked(body_fit)
         asked += curve
         weight *= np.exp(2.0 * (curve - np.log(focal)))  # noise of pixels shrinks with them
         spline = make_smoothing_spline(seen.time_s, asked, w=weight)
@@ -103,22 +103,22 @@ def follow_zoom(
     return FollowedZoom(curve, zoom, brought, replace(state, numbers=numbers), sigma)
 
 
-def may_zoom(seen: BodyObservations, found: BodyFit) -> bool:
+def may_zoom(seen: BodyObservations, body_fit: BodyFit) -> bool:
     """Whether views of a fit with one focal length ask for quite different ones, in their order."""
     if len(seen.time_s) < PARTS * FEWEST_VIEWS:
         return False
     from scipy.interpolate import make_smoothing_spline
 
-    asked, weight = _asked(found)
+    asked, weight = _asked(body_fit)
     spline = make_smoothing_spline(seen.time_s, asked, w=weight)
     return bool(np.ptp(spline(seen.time_s)) > 0.5 * _LEAST)
 
 
-def _asked(found: BodyFit) -> tuple[FloatArray, FloatArray]:
+def _asked(body_fit: BodyFit) -> tuple[FloatArray, FloatArray]:
     """Change of the focal length's logarithm that each view asks for, and its weight."""
-    focal = found.state.numbers[0]
-    asked = np.clip(found.focal_by_view / focal, -_FARTHEST, _FARTHEST)
-    return asked, np.asarray((focal / found.focal_sigma) ** 2)
+    focal = body_fit.state.numbers[0]
+    asked = np.clip(body_fit.focal_by_view / focal, -_FARTHEST, _FARTHEST)
+    return asked, np.asarray((focal / body_fit.focal_sigma) ** 2)
 
 
 def _brought(

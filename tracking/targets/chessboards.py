@@ -137,8 +137,8 @@ def _confirmed(
     shown = _showing(size, grids)
     places = np.unique(np.linspace(0, len(shown) - 1, min(len(shown), _MOST_ASKED)).astype(int))
     board = Checkerboard(*size, 1.0)
-    found = sum(board.detect(images[shown[place]]) is not None for place in places)
-    return 2 * found >= len(places)
+    count = sum(board.detect(images[shown[place]]) is not None for place in places)
+    return 2 * count >= len(places)
 
 
 def _fits(grid: SeenGrid, size: tuple[int, int]) -> bool:

@@ -100,9 +100,9 @@ def families_seen(images: Sequence[GrayImage], *, whole: bool = False) -> tuple[
     # The first are spread over all, so that they show what the clip shows.
     first = range(0, len(grays), -(-len(grays) // _FIRST)) if grays else range(0)
     seen = [one for index in first for one in _exact(searched[index], index, _widest())]
-    found = _listed(_widest(), seen, len(first))
-    clear = any(len(one.images) >= _MOSTLY * len(first) for one in found)
-    counted = {words_of(one.family) for one in found}
+    seen_families = _listed(_widest(), seen, len(first))
+    clear = any(len(one.images) >= _MOSTLY * len(first) for one in seen_families)
+    counted = {words_of(one.family) for one in seen_families}
     families = [one for one in _widest() if one in counted or not clear]
     others = sorted(set(range(len(grays))) - set(first))
     seen += [one for index in others for one in _exact(searched[index], index, families)]
@@ -113,8 +113,10 @@ def _listed(
     families: Sequence[str], seen: Sequence[_Reading], searched: int
 ) -> tuple[SeenFamily, ...]:
     """Families that count, those seen most often first."""
-    found = [_counted(family, seen, searched) for family in families]
-    return tuple(sorted((one for one in found if one), key=lambda one: -one.observations))
+    candidates = [_counted(family, seen, searched) for family in families]
+    return tuple(
+        sorted((one for one in candidates if one), key=lambda candidate: -candidate.observations)
+    )
 
 
 def words_of(family: str) -> str:
@@ -127,7 +129,7 @@ def words_of(family: str) -> str:
 def _widest() -> tuple[str, ...]:
     """Families that hold no other's words from the first on, the least likely by chance first."""
     nested = {f"aruco_{n}x{n}_{count}" for n in (4, 5, 6, 7) for count in _NESTED[:-1]}
-    return tuple(sorted(set(FAMILIES) - nested, key=lambda one: (_chance(one), one)))
+    return tuple(sorted(set(FAMILIES) - nested, key=lambda family: (_chance(family), family)))
 
 
 def _chance(family: str) -> float:
@@ -148,13 +150,13 @@ def _exact(gray: GrayImage, number: int, families: Sequence[str]) -> list[_Readi
         ).astype(np.float64)
         for white_inside in {layout(family).white_inside for family in families}
     }
-    found: list[_Reading] = []
+    readings: list[_Reading] = []
     for family in families:
         read = decode_quads(image, quads[layout(family).white_inside], family)
-        for one in _legible(image, read, family, number):
-            if not any(_same_place(one, other) for other in found):
-                found.append(one)
-    return found
+        for reading in _legible(image, read, family, number):
+            if not any(_same_place(reading, other) for other in readings):
+                readings.append(reading)
+    return readings
 
 
 def _legible(image: GrayImage, read: Quads, family: str, number: int) -> list[_Reading]:
@@ -181,9 +183,9 @@ def _sides_px(corners_px: FloatArray) -> FloatArray:
     return mean
 
 
-def _same_place(one: _Reading, other: _Reading) -> bool:
-    apart = np.hypot(*np.subtract(one.centre, other.centre))
-    return bool(apart < _SAME_SHARE * max(one.side_px, other.side_px))
+def _same_place(reading: _Reading, other: _Reading) -> bool:
+    apart = np.hypot(*np.subtract(reading.centre, other.centre))
+    return bool(apart < _SAME_SHARE * max(reading.side_px, other.side_px))
 
 
 def _counted(family: str, observations: Sequence[_Reading], searched: int) -> SeenFamily | None:

@@ -127,8 +127,8 @@ def seen_board(board: Board, images: Sequence[GrayImage]) -> FoundTarget:
     (0,)
     """
     if isinstance(board, MarkerGrid):
-        found = seen_markers(board.family, images, set(board.marker_ids.tolist()))
-        return replace(found, board=board)
+        target = seen_markers(board.family, images, set(board.marker_ids.tolist()))
+        return replace(target, board=board)
     shown = tuple(row for row, one in enumerate(images) if board.detect(one) is not None)
     nothing = (_markers_of(()),) * len(images)
     return FoundTarget(board, None, (), nothing, shown, len(images))
@@ -150,9 +150,9 @@ def seen_markers(
     """
     markers = tuple(
         _markers_of(
-            one
-            for one in detect_markers(image, family)
-            if one.sharp and (wanted is None or one.marker_id in wanted)
+            detection
+            for detection in detect_markers(image, family)
+            if detection.sharp and (wanted is None or detection.marker_id in wanted)
         )
         for image in images
     )
@@ -163,21 +163,21 @@ def seen_markers(
 
 def _marked(seen: SeenFamily, images: Sequence[GrayImage]) -> FoundTarget:
     """Markers of a family, and the board that they make up."""
-    found = seen_markers(seen.family, images, set(seen.marker_ids))
-    markers, shown = found.markers, found.images or seen.images
+    target = seen_markers(seen.family, images, set(seen.marker_ids))
+    markers, shown = target.markers, target.images or seen.images
     board = board_of_markers(seen.family, markers)
     if isinstance(board, CharucoBoard):
         sample = shown[:: max(1, len(shown) // 8)]
-        if sum(board.detect(images[one]) is not None for one in sample) < _LEAST_SHARE * len(
+        if sum(board.detect(images[row]) is not None for row in sample) < _LEAST_SHARE * len(
             sample
         ):
             board = None
     return FoundTarget(board, seen.family, seen.marker_ids, markers, shown, len(images))
 
 
-def _markers_of(found: Iterable[Detection]) -> SeenMarkers:
+def _markers_of(detections: Iterable[Detection]) -> SeenMarkers:
     """Markers of an image whose ids stand there once."""
-    listed = list(found)
+    listed = list(detections)
     ids = [one.marker_id for one in listed]
     once = [one for one in listed if ids.count(one.marker_id) == 1]
     return SeenMarkers(

@@ -71,12 +71,14 @@ def seed_grid(gray: GrayImage, size: tuple[int, int] | None = None) -> FloatArra
     one, columns and rows, what its detector by contours finds of it.
     """
     if size is not None:
-        found, corners = cv2.findChessboardCorners(gray, size, flags=QUICK)
-        return np.asarray(corners, np.float64).reshape(*size[::-1], 2) if found else None
+        success, corners = cv2.findChessboardCorners(gray, size, flags=QUICK)
+        return np.asarray(corners, np.float64).reshape(*size[::-1], 2) if success else None
     flags = cv2.CALIB_CB_LARGER | cv2.CALIB_CB_NORMALIZE_IMAGE
     cv2.setRNGSeed(_SEED)  # the detector draws random numbers: the same image, the same grid
-    found, corners, grid = cv2.findChessboardCornersSBWithMeta(gray, (_FEWEST, _FEWEST), flags)[:3]
-    if not found or grid is None or max(grid.shape[:2]) > _MOST:
+    success, corners, grid = cv2.findChessboardCornersSBWithMeta(gray, (_FEWEST, _FEWEST), flags)[
+        :3
+    ]
+    if not success or grid is None or max(grid.shape[:2]) > _MOST:
         return None
     return np.asarray(corners, np.float64).reshape(*grid.shape[:2], 2)
 

@@ -158,7 +158,7 @@ def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | C
     fitting = [one for one in guesses if all(_fit(one, other).good for other in rich)]
     if not fitting:
         return None
-    best = min(fitting, key=lambda one: (one.columns, one.first_id > 0, -one.first_id))
+    best = min(fitting, key=lambda guess: (guess.columns, guess.first_id > 0, -guess.first_id))
     fits = [_fit(best, other) for other in rich]
     share = float(np.median([fit.side for fit in fits]))
     turned = fits[0].turned_deg
@@ -198,10 +198,10 @@ def _telling(seen: Sequence[SeenMarkers]) -> list[SeenMarkers]:
     many = [one for one in seen if len(one.ids) >= _FEWEST_MARKERS]
     kept: list[SeenMarkers] = []
     known: set[int] = set()
-    for one in sorted(many, key=lambda one: -len(one.ids)):
-        if len(kept) < _MOST_IMAGES or not known.issuperset(one.ids.tolist()):
-            kept.append(one)
-            known.update(one.ids.tolist())
+    for markers in sorted(many, key=lambda other: -len(other.ids)):
+        if len(kept) < _MOST_IMAGES or not known.issuperset(markers.ids.tolist()):
+            kept.append(markers)
+            known.update(markers.ids.tolist())
     return kept
 
 

@@ -142,9 +142,9 @@ class Recent:
         known = [row for row, marker in enumerate(ids) if marker in self._seen]
         if not known:
             return last
-        found = [self._seen[ids[row]] for row in known]
-        before = Rotor(np.stack([rotors for rotors, _ in found]))
-        against = np.stack([nats for _, nats in found])
+        last_seen = [self._seen[ids[row]] for row in known]
+        before = Rotor(np.stack([rotors for rotors, _ in last_seen]))
+        against = np.stack([nats for _, nats in last_seen])
         now = window.camera_R_marker[known]
         return vote(before, against, now, window.evidence[known], last, elapsed_s)
 

@@ -98,12 +98,12 @@ def chain_probabilities(first: FloatArray, unary: FloatArray, steps: FloatArray)
     count = _checked(first, unary, steps)
     forward = forward_messages(first, unary, steps)
     backward = np.zeros_like(forward[..., 0, :])
-    found = [forward[..., -1, :]]
+    marginals = [forward[..., -1, :]]
     for step in range(count - 1, 0, -1):
         ahead = (backward + unary[..., step, :])[..., None, :] + steps[..., step - 1, :, :]
         backward = _from_zero(_soft_minimum(ahead, -1))
-        found.append(forward[..., step - 1, :] + backward)
-    costs = _from_zero(np.stack(found[::-1], axis=-2))
+        marginals.append(forward[..., step - 1, :] + backward)
+    costs = _from_zero(np.stack(marginals[::-1], axis=-2))
     likelihood: FloatArray = np.exp(-costs)
     likelihood /= likelihood.sum(axis=-1, keepdims=True)
     return likelihood

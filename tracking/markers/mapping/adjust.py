@@ -40,11 +40,11 @@ def residuals_px(seen: RigObservations, world_T_rig: Motor, world_T_marker: Moto
     """
     camera_T_world = (world_T_rig @ seen.rig_T_camera[seen.camera]).inverse()
     points = (camera_T_world @ world_T_marker)[:, None].apply(seen.points_m)
-    found = np.full((len(seen), 4, 2), np.nan)
+    residuals = np.full((len(seen), 4, 2), np.nan)
     for which, camera in enumerate(seen.cameras):
         own = seen.camera == which
-        found[own] = camera.project(points[own]) - seen.corners_px[own]
-    return found
+        residuals[own] = camera.project(points[own]) - seen.corners_px[own]
+    return residuals
 
 
 def linearised(
@@ -118,8 +118,8 @@ def adjust(
     """
     state = AdjustedRig(seen, world_T_rig, world_T_marker, np.zeros(0), 1.0)
     for _ in range(_ROUNDS):
-        found = minimise(state, partial(_Reprojection, held), partial(_retract, held), _STOP)
-        state, squares = found.state, found.evaluation.squares
+        minimum = minimise(state, partial(_Reprojection, held), partial(_retract, held), _STOP)
+        state, squares = minimum.state, minimum.evaluation.squares
         sigma_px = max(_noise_px(seen, held, squares), floor_px)
         state = replace(state, error_px=np.sqrt(squares / 4.0), sigma_px=sigma_px)
     return state
@@ -154,9 +154,10 @@ def pose_covariance(state: AdjustedRig, held: NDArray[np.bool_]) -> FloatArray:
         by_group[frames, :, groups] = -precision * covariance[frames] @ equations.coupling
         follows = by_group.reshape(len(by_frame), 6, -1)
         by_world = state.world_T_rig.inverse().adjoint()
-        told = by_world.swapaxes(-1, -2) @ by_frame
+        weighted = by_world.swapaxes(-1, -2) @ by_frame
         together = np.linalg.solve(
-            np.einsum("fij,fjk->ik", told, by_world), np.einsum("fij,fjk->ik", told, follows)
+            np.einsum("fij,fjk->ik", weighted, by_world),
+            np.einsum("fij,fjk->ik", weighted, follows),
         )
         follows = follows - by_world @ together
         spread = np.linalg.inv(precision * equations.reduced_information)

@@ -99,8 +99,8 @@ def _pairs(seen: RigObservations) -> dict[tuple[int, int], tuple[Motor, float]]:
                     together.setdefault(key, []).append((i, j))
     rig_T_marker = seen.rig_T_marker
     pairs = {}
-    for key, found in together.items():
-        a, b = np.array(found).T
+    for key, row_pairs in together.items():
+        a, b = np.array(row_pairs).T
         pairs[key] = _motion(seen, rig_T_marker, a, b)
     return pairs
 

@@ -125,8 +125,8 @@ def gather(
         TrackingError: a camera that never sees a marker together with the others.
     """
     names = list(streams)
-    given = np.array([name in rig_T_camera for name in names], dtype=bool)
-    if not given.any():
+    has_pose = np.array([name in rig_T_camera for name in names], dtype=bool)
+    if not has_pose.any():
         raise ValueError("rig_T_camera: expected the pose of at least one camera, got none")
     if not 0.0 <= sync_s < np.inf:
         raise ValueError(f"sync_s: expected seconds of at least 0, got {sync_s}")
@@ -150,7 +150,7 @@ def gather(
         frame_ns,
         tuple(streams[name].camera for name in names),
         Motor.stack([rig_T_camera.get(name, Motor.identity()) for name in names]),
-        given,
+        has_pose,
         marker_ids,
         np.array([side_m[int(one)] for one in marker_ids], np.float64),
         frame[order],
@@ -193,13 +193,13 @@ def merged_frames(stamps: list[IntArray], sync_s: float) -> tuple[IntArray, list
     frames = [np.zeros(len(one), np.int64) for one in stamps]
     members: list[dict[int, int]] = []
     begin = 0
-    for one in np.lexsort((camera, time_ns)):
-        stamp, who = int(time_ns[one]), int(camera[one])
+    for index in np.lexsort((camera, time_ns)):
+        stamp, who = int(time_ns[index]), int(camera[index])
         if not members or stamp - begin > sync_s * 1e9 or who in members[-1]:
             members.append({})
             begin = stamp
         members[-1][who] = stamp
-        frames[who][row[one]] = len(members) - 1
+        frames[who][row[index]] = len(members) - 1
     stamp_ns = [together[min(together)] for together in members]
     for k, (stamp, following) in enumerate(pairwise(stamp_ns)):
         if stamp == following:
@@ -218,17 +218,17 @@ def _rig_poses(seen: RigObservations, names: list[str]) -> Motor:
     for row, key in enumerate(zip(seen.frame.tolist(), seen.marker.tolist(), strict=True)):
         by_key.setdefault(key, []).append(row)
     while not known.all():
-        found: dict[int, list[tuple[int, int]]] = {}
+        pairs_by_camera: dict[int, list[tuple[int, int]]] = {}
         for rows in by_key.values():
             for a in rows:
                 for b in rows:
                     if known[seen.camera[a]] and not known[seen.camera[b]]:
-                        found.setdefault(int(seen.camera[b]), []).append((a, b))
-        if not found:
+                        pairs_by_camera.setdefault(int(seen.camera[b]), []).append((a, b))
+        if not pairs_by_camera:
             lost = names[int(np.argmin(known))]
             raise TrackingError(f"{lost}: expected a marker seen together with another camera")
-        which = max(found, key=lambda one: len(found[one]))
-        a, b = np.array(found[which]).T
+        which = max(pairs_by_camera, key=lambda camera: len(pairs_by_camera[camera]))
+        a, b = np.array(pairs_by_camera[which]).T
         placed = Motor.stack(poses)[seen.camera[a]] @ seen.camera_T_marker[a]
         motions = placed @ seen.camera_T_marker[b].inverse()
         weight = seen.probability[a] * seen.probability[b]

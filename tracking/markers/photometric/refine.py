@@ -317,10 +317,10 @@ class _Batch:
             score = self._score(view[:, 0]).reshape(-1, 2).amin(-1).double().cpu().numpy()
             return float(np.log(np.maximum(score, 1e-6)) @ self.sizes_px[::2] ** 2)
 
-        found = np.array([unexplained(blur_px) for blur_px in _BLURS_PX])
-        best = int(np.clip(np.argmin(found), 1, len(found) - 2))
-        curve = np.polyfit(_BLURS_PX[best - 1 : best + 2], found[best - 1 : best + 2], 2)
-        bottom = -0.5 * curve[1] / curve[0] if curve[0] > 0.0 else _BLURS_PX[np.argmin(found)]
+        mismatches = np.array([unexplained(blur_px) for blur_px in _BLURS_PX])
+        best = int(np.clip(np.argmin(mismatches), 1, len(mismatches) - 2))
+        curve = np.polyfit(_BLURS_PX[best - 1 : best + 2], mismatches[best - 1 : best + 2], 2)
+        bottom = -0.5 * curve[1] / curve[0] if curve[0] > 0.0 else _BLURS_PX[np.argmin(mismatches)]
         blur_px = float(np.clip(bottom, _BLURS_PX[0], _BLURS_PX[-1]))
         self.levels = blurred(self.prints, blur_px**2 * shape)
 
@@ -368,9 +368,9 @@ def _pixels(matrix: FloatArray, poses: Motor, points: FloatArray) -> FloatArray:
 
 def _area(quads: FloatArray) -> FloatArray:
     """Areas ``(b,)`` of quads ``(b, 4, 2)``."""
-    one, other = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
-    return 0.5 * np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0])
+    first, second = quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]
+    return 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 
-def _where(chosen: NDArray[np.bool_], one: Motor, other: Motor) -> Motor:
-    return Motor(np.where(chosen[:, None], one.coefficients, other.coefficients))
+def _where(chosen: NDArray[np.bool_], poses: Motor, others: Motor) -> Motor:
+    return Motor(np.where(chosen[:, None], poses.coefficients, others.coefficients))

@@ -186,11 +186,11 @@ def scene_factors(
 ) -> list[Factors]:
     """All that is stated and measured of poses that are known; corners are not among them."""
     factors: list[Factors] = []
-    given = [(row, one) for row, one in stated_rows(seen, scene) if known[row]]
-    if given:
-        rows = np.array([row for row, _ in given])
-        prior = Motor.stack([one.pose for _, one in given])
-        factors.append(stated(rows, prior, np.stack([one.covariance for _, one in given])))
+    stated_poses = [(row, one) for row, one in stated_rows(seen, scene) if known[row]]
+    if stated_poses:
+        rows = np.array([row for row, _ in stated_poses])
+        prior = Motor.stack([one.pose for _, one in stated_poses])
+        factors.append(stated(rows, prior, np.stack([one.covariance for _, one in stated_poses])))
     for body, first in zip(scene.bodies, seen.first_row.tolist(), strict=True):
         if not body.moves:
             continue
@@ -258,14 +258,19 @@ def _lengths(
         return np.asarray(points.mean(axis=0) if corner is None else points[corner], np.float64)
 
     factors: list[Factors] = []
-    for one in scene.distances:
-        a, b = (rows_of(marker) for marker in one.markers)
+    for distance in scene.distances:
+        a, b = (rows_of(marker) for marker in distance.markers)
         if a is None or b is None:
             continue
-        ends = [corner_m(*end) for end in zip(one.markers, one.corners, strict=True)]
+        ends = [corner_m(*end) for end in zip(distance.markers, distance.corners, strict=True)]
         value = partial(_distance_m, ends=ends)
         factors.append(
-            measured(np.array([a + b]), value, np.array([one.distance_m]), np.array([one.sigma_m]))
+            measured(
+                np.array([a + b]),
+                value,
+                np.array([distance.distance_m]),
+                np.array([distance.sigma_m]),
+            )
         )
     for place in scene.coordinates:
         a = rows_of(place.marker)
@@ -302,7 +307,8 @@ class _Graph:
     def pulls(self) -> list[list[PairIndex]]:
         """Of each kind of factors and each column, whose gradient it belongs to."""
         return [
-            [PairIndex(rows, np.zeros_like(rows)) for rows in one.rows.T] for one in self.factors
+            [PairIndex(rows, np.zeros_like(rows)) for rows in factors.rows.T]
+            for factors in self.factors
         ]
 
     @cached_property
@@ -310,11 +316,11 @@ class _Graph:
         """Of each kind of factors the pairs of columns, and of each the poses that meet."""
         return [
             [
-                (a, b, PairIndex(one.rows[:, a], one.rows[:, b]))
-                for a in range(one.rows.shape[1])
-                for b in range(a, one.rows.shape[1])
+                (a, b, PairIndex(factors.rows[:, a], factors.rows[:, b]))
+                for a in range(factors.rows.shape[1])
+                for b in range(a, factors.rows.shape[1])
             ]
-            for one in self.factors
+            for factors in self.factors
         ]
 
     @cached_property
@@ -343,11 +349,11 @@ class _Evaluated:
         graph = self._graph
         blocks: list[FloatArray] = []
         gradient = np.zeros((len(graph.frame), 6))
-        for one, pulls, products in zip(self._linear, graph.pulls, graph.products, strict=True):
+        for linear, pulls, products in zip(self._linear, graph.pulls, graph.products, strict=True):
             for a, whose in enumerate(pulls):
-                gradient[whose.rows] += whose.sums(one.pull(a))
+                gradient[whose.rows] += whose.sums(linear.pull(a))
             for a, b, index in products:
-                blocks.append(index.sums(one.product(a, b)))
+                blocks.append(index.sums(linear.product(a, b)))
                 if b > a:
                     blocks.append(blocks[-1].swapaxes(-1, -2))
         joined = graph.joined

@@ -134,12 +134,15 @@ class MappedScene:
         kept = np.isin(body, bodies) & self.known[rows]
         if not moves:
             kept &= self.known[self.seen.first_row[body]]
-        found = np.flatnonzero(kept)
-        poses = self.poses[rows[found]]
+        indices = np.flatnonzero(kept)
+        poses = self.poses[rows[indices]]
         if not moves:
-            poses = self.poses[self.seen.first_row[body[found]]] @ poses
+            poses = self.poses[self.seen.first_row[body[indices]]] @ poses
         return MarkerMap(
-            self.seen.marker_ids[found], self.seen.side_m[found], poses.rotor, poses.translation_m
+            self.seen.marker_ids[indices],
+            self.seen.side_m[indices],
+            poses.rotor,
+            poses.translation_m,
         )
 
     def _row(self, name: str) -> int:
