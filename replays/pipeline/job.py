@@ -170,13 +170,13 @@ def run_job(job: Job) -> dict[str, Any]:
     with off_record():  # the recording's digest and settings cover all that is read of it
         recording = open_recording(job.recording, job.manifest)
     stage_log.info("%s", recording.summary)
-    told = parse_knobs(parted(job.settings)[0], description_graph())
+    description_knobs = parse_knobs(parted(job.settings)[0], description_graph())
     knobs = parse_knobs(job.all_settings(recording), graph)
     if "placed" in graph.needed(job.until):
         _check_character(knobs.get("placed", {}))
     require_writable(job.out)
     with off_record():
-        opened = open_described(recording, job.manifest, cache, told)
+        opened = open_described(recording, job.manifest, cache, description_knobs)
     recording = opened.recording
     settings = job.all_settings(recording)
     knobs = parse_knobs(settings, graph)

@@ -254,8 +254,8 @@ def write_run_gltf(shown: Shown, path: Path) -> None:
     field_rad = 2.0 * float(np.arctan(0.5 * camera.height / camera.fy))
     points = thinned(shown.points_m)
     cast = [
-        CharacterOnPath(name, one.character, shown.clip(name), shown.world_T_character(name))
-        for name, one in shown.cast.items()
+        CharacterOnPath(name, performer.character, shown.clip(name), shown.world_T_character(name))
+        for name, performer in shown.cast.items()
     ]
     lens = CameraPath(shown.path, field_rad, camera.width / camera.height)
     write_cast_gltf(path, cast, camera=lens, points_m=points if len(points) else None)
@@ -281,8 +281,8 @@ def write_rrd(shown: Shown, path: Path) -> None:
     stream = rr.RecordingStream("motorcade")
     stream.save(str(path))
     stream.log("world", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    for name, one in shown.paths.items():
-        places = one.poses.translation_m.astype(np.float32)
+    for name, trajectory in shown.paths.items():
+        places = trajectory.poses.translation_m.astype(np.float32)
         stream.log(f"world/paths/{name}", rr.LineStrips3D([places]), static=True)
     if len(shown.points_m):
         cloud = thinned(shown.points_m).astype(np.float32)
@@ -302,9 +302,9 @@ def _log_frames(rr: Any, stream: Any, shown: Shown) -> None:
     """
     shown_ns = shown.recording.frames.time_ns[shown.frames_posed]
     _log_film(rr, stream, shown, shown.frames_posed)
-    for name, one in shown.cast.items():
-        colors = np.rint(255 * one.character.colors).astype(np.uint8)
-        still = {"triangle_indices": one.character.triangles, "vertex_colors": colors}
+    for name, performer in shown.cast.items():
+        colors = np.rint(255 * performer.character.colors).astype(np.uint8)
+        still = {"triangle_indices": performer.character.triangles, "vertex_colors": colors}
         stream.log(f"world/{name}", rr.Mesh3D.from_fields(**still), static=True)
     last_ns = -_MESH_NS
     for time_ns in map(int, shown_ns):
@@ -340,12 +340,12 @@ def _log_characters(rr: Any, stream: Any, shown: Shown, time_ns: int) -> None:
     from motorcade.animation import skin
 
     time_s = (time_ns - int(shown.recording.frames.time_ns[0])) * 1e-9
-    for name, one in shown.cast.items():
-        stand = one.world_T_character(time_ns)
+    for name, performer in shown.cast.items():
+        stand = performer.world_T_character(time_ns)
         places, normals = np.zeros((0, 3)), np.zeros((0, 3))
-        if one.seen(time_s):
-            shaped = one.character.shaped(one.clip.morph_weights(time_s))
-            vertices, turned = skin(shaped, one.clip.at(time_s))
+        if performer.seen(time_s):
+            shaped = performer.character.shaped(performer.clip.morph_weights(time_s))
+            vertices, turned = skin(shaped, performer.clip.at(time_s))
             places, normals = stand.apply(vertices), stand.rotor.apply(turned)
         moved = {
             "vertex_positions": places.astype(np.float32),

@@ -88,8 +88,8 @@ def _fitting(camera_poses: CameraPoses) -> Align:
 
 
 def _figures(path: Trajectory, truth: Trajectory, align: Align) -> dict[str, float | None]:
-    found = evaluate(path, truth, align=align).as_dict()
-    return {key: value for key, value in found.items() if not isinstance(value, str)}
+    figures = evaluate(path, truth, align=align).as_dict()
+    return {key: value for key, value in figures.items() if not isinstance(value, str)}
 
 
 def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, float | None]:
@@ -110,10 +110,10 @@ def _figures_without_truth(path: Trajectory, frequency_hz: float) -> dict[str, f
 
 def _registration(name: str, integrity: Integrity) -> dict[str, float | None]:
     """How far what is drawn along the path moves against the footage; nothing without corners."""
-    found = integrity.registration_px.get(name)
-    if found is None:
+    distances_px = integrity.registration_px.get(name)
+    if distances_px is None:
         return {}
-    seen = found[np.isfinite(found)]  # a corner behind the camera has no distance
+    seen = distances_px[np.isfinite(distances_px)]  # a corner behind the camera has no distance
     return {"registration_rmse_px": float(np.sqrt(np.mean(seen**2))) if seen.size else None}
 
 

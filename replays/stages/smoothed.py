@@ -53,13 +53,13 @@ def smoothed(
     if method is None and not numbers and not parameters:
         return _automatically(fused, representations)
     named = method or ("local_polynomial" if numbers else "auto")
-    given = parsed_parameters(named, parameters)
+    parsed = parsed_parameters(named, parameters)
     known = method_parameters(named)
     for name, value in numbers.items():
         if name not in known:
             raise ValueError(f"{name}: expected none with {named}, which has no {name}")
-        given[name] = value
-    settings = _settings(fused, named, given)
+        parsed[name] = value
+    settings = _settings(fused, named, parsed)
     if settings is None:
         return _as_fused(fused, representations)
     paths = {
@@ -101,12 +101,12 @@ def _with_held_out(
     return SmoothedPaths(paths, method, settings, held_out)
 
 
-def _settings(fused: FusedPath, method: str, given: dict[str, Any]) -> dict[str, Any] | None:
+def _settings(fused: FusedPath, method: str, parsed: dict[str, Any]) -> dict[str, Any] | None:
     """The method's numbers; None where the path is to be left as it is."""
     if method == "auto":
-        return None if len(fused.trajectory) < _FEWEST else given
-    if method != "local_polynomial" or "window_s" in given:
-        return given
-    order = given.get("order", 2)
+        return None if len(fused.trajectory) < _FEWEST else parsed
+    if method != "local_polynomial" or "window_s" in parsed:
+        return parsed
+    order = parsed.get("order", 2)
     window_s = automatic_window_s(fused.trajectory, fused.covariance, order)
     return None if window_s is None else {"window_s": window_s, "order": order}

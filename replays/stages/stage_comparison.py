@@ -76,11 +76,11 @@ def compared_by_held_out(
 ) -> StageComparison:
     """Errors of all paths, made without some measured poses, at the stamps of these."""
     measured = camera_poses.measurements.trajectory
-    made = {"fused": fused.held_out}
+    held_out_paths = {"fused": fused.held_out}
     if smoothed is not None:
-        made["smoothed"] = smoothed.held_out
-    there = {name: path for name, path in made.items() if path is not None}
-    if len(there) < len(made):
+        held_out_paths["smoothed"] = smoothed.held_out
+    there = {name: path for name, path in held_out_paths.items() if path is not None}
+    if len(there) < len(held_out_paths):
         return NOT_COMPARED
     stamps = judged_stamps(measured)
     paths = {"camera_poses": measured[~np.isin(measured.time_ns, stamps)], **there}
@@ -111,8 +111,8 @@ def _common(paths: dict[str, Trajectory]) -> IntArray:
     """Stamps of all paths; only of measured ones, so that no path is judged where it bridges."""
     stamps = [path.time_ns for path in paths.values()]
     shared = stamps[0]
-    for one in stamps[1:]:
-        shared = np.intersect1d(shared, one)
+    for path_stamps in stamps[1:]:
+        shared = np.intersect1d(shared, path_stamps)
     return shared
 
 
@@ -126,8 +126,8 @@ def _inside(paths: tuple[Trajectory, ...], stamps: IntArray) -> NDArray[np.bool_
     return good
 
 
-def _apart(found: Motor, true: Motor) -> tuple[FloatArray, FloatArray]:
-    return absolute_translation_m(found, true), np.rad2deg(rotation_rad(found, true))
+def _apart(estimated: Motor, true: Motor) -> tuple[FloatArray, FloatArray]:
+    return absolute_translation_m(estimated, true), np.rad2deg(rotation_rad(estimated, true))
 
 
 def _compared(
@@ -219,11 +219,11 @@ def held_out(count: int) -> NDArray[np.bool_]:
 
 def without_held_out(camera_poses: CameraPoses) -> CameraPoses | None:
     """The measured poses that are kept; None where there are too few to hold any out."""
-    found = camera_poses.measurements
-    kept = ~held_out(len(found))
+    poses = camera_poses.measurements
+    kept = ~held_out(len(poses))
     if kept.all():
         return None
-    measurements = PoseMeasurements(found.trajectory[kept], found.covariance[kept])
+    measurements = PoseMeasurements(poses.trajectory[kept], poses.covariance[kept])
     return replace(
         camera_poses, measurements=measurements, reprojection_px=camera_poses.reprojection_px[kept]
     )

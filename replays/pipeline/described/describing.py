@@ -143,8 +143,8 @@ def open_described(
         recording = recording.intact()
     run = description_graph().run(STAGE, {"recording": recording}, cache, knobs)
     description: Description = run.outputs[STAGE]
-    for one in description.assumed:
-        log.info("assumed %s", one)
+    for assumption in description.assumed:
+        log.info("assumed %s", assumption)
     before = "" if stated is None else read_bounded(stated, TOML_LIMIT).decode()
     text = description.manifest(before)
     place = cache / f"manifest-{hashlib.sha256(text.encode()).hexdigest()[:16]}.toml"
@@ -213,12 +213,12 @@ def described(
     refuse_oblong_pixels(chosen.recording)
     describing.frames(rate_hz, chosen, recording.frames)
     with working("looking for boards and markers"):
-        told = _told(recording, sample.spread)
+        known = _told(recording, sample.spread)
         named = None if board is None else _named(recording, board, sample.spread)
-        target_seen = told or named or (None if target == "none" else find_target(sample.spread))
+        target_seen = known or named or (None if target == "none" else find_target(sample.spread))
     with working("finding the camera"):
         camera = describing.camera(sample, target_seen, fov_deg)
-    if told is None:
+    if known is None:
         unit_m = None if board is None else board_in_units(board)[1]
         source = f"its name, {board}" if board else "counting in images spread over the recording"
         describing.target(named or camera.target, unit_m if size_m is None else size_m, source)

@@ -171,12 +171,12 @@ def shown_plots(findings: Findings, start_ns: int) -> list[dict[str, Any]]:
     rotation = {name: (one.time_s, one.rotation_deg) for name, one in against.items()}
     position = {name: (one.time_s, 1e3 * one.position_m) for name, one in against.items()}
     jitter = {name: (one.time_s, one.angular_rad_s2) for name, one in errors.acceleration.items()}
-    registered, told = _registered(findings), told_paths(findings)
+    registered, labels = _registered(findings), told_paths(findings)
     plots = [
-        _plot("rotation", "Rotation error", "°", rotation, told, later_s),
-        _plot("position", "Position error", "mm", position, told, later_s),
-        _plot("jitter", "Angular acceleration", "rad/s²", jitter, told, later_s),
-        _plot("registration", "Distance from the footage", "px", registered, told, later_s),
+        _plot("rotation", "Rotation error", "°", rotation, labels, later_s),
+        _plot("position", "Position error", "mm", position, labels, later_s),
+        _plot("jitter", "Angular acceleration", "rad/s²", jitter, labels, later_s),
+        _plot("registration", "Distance from the footage", "px", registered, labels, later_s),
         _squares(findings, start_ns),
     ]
     return [one for one in plots if one["series"]]

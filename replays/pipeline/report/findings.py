@@ -102,16 +102,16 @@ def told_paths(findings: Findings) -> dict[str, str]:
     where nothing was fused, or where it was not smoothed any further.
     """
     smoothed, fused = findings.smoothed, findings.fused.by != "nothing"
-    told = {"measured": LABELS["measured"]}
+    labels = {"measured": LABELS["measured"]}
     if fused and smoothed.method is not None:
-        told["fused"] = LABELS["fused"]
+        labels["fused"] = LABELS["fused"]
     groups = alike(smoothed, metric=findings.camera_poses.metric)
     for first, names in groups.items():
-        told[first] = _label(names)
+        labels[first] = _label(names)
     if len(groups) == 1:
         left = "Fused, not smoothed further" if fused else "Not smoothed: as measured"
-        told[next(iter(groups))] = "Smoothed" if smoothed.method is not None else left
-    return told
+        labels[next(iter(groups))] = "Smoothed" if smoothed.method is not None else left
+    return labels
 
 
 def _label(names: tuple[str, ...]) -> str:
@@ -124,15 +124,15 @@ def _label(names: tuple[str, ...]) -> str:
 
 def alike(smoothed: SmoothedPaths, *, metric: bool) -> dict[str, tuple[str, ...]]:
     """Representations by the first of those whose paths nobody could tell from theirs."""
-    found: dict[str, tuple[str, ...]] = {}
+    groups: dict[str, tuple[str, ...]] = {}
     for name, path in smoothed.trajectories.items():
-        for first in found:
+        for first in groups:
             if _is_alike(smoothed.trajectories[first], path, metric):
-                found[first] = (*found[first], name)
+                groups[first] = (*groups[first], name)
                 break
         else:
-            found[name] = (name,)
-    return found
+            groups[name] = (name,)
+    return groups
 
 
 def _is_alike(trajectory: Trajectory, other: Trajectory, metric: bool) -> bool:

@@ -54,7 +54,7 @@ def sections(findings: Findings) -> list[ReportSection]:
     """Every plot that this run's data allows."""
     lost = findings.unmeasured_spans_s()
     shaded = " Tinted: no pose was measured." if lost else ""
-    found = [
+    all_sections = [
         ReportSection("Path", "Where the camera went and how it turned.", _path(findings)),
         ReportSection(
             "Errors over time",
@@ -73,8 +73,11 @@ def sections(findings: Findings) -> list[ReportSection]:
         ),
     ]
     marked = [
-        replace(one, images=tuple(_marked(one.title, k, p) for k, p in enumerate(one.images)))
-        for one in found
+        replace(
+            section,
+            images=tuple(_marked(section.title, k, p) for k, p in enumerate(section.images)),
+        )
+        for section in all_sections
     ]
     return [one for one in marked if one.images]
 
@@ -126,8 +129,8 @@ def _slam(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
     states = (f"{count} {state}" for state, count in history.frames_in_state.items() if count)
     happened = [one for one in history.events if one.kind != "map begun" or one.map_number != 0]
     first = "; ".join(
-        f"{one.kind} at {1e-9 * (one.time_ns - history.time_ns[0]):.2f} s"
-        for one in happened[:_MOST_EVENTS]
+        f"{event.kind} at {1e-9 * (event.time_ns - history.time_ns[0]):.2f} s"
+        for event in happened[:_MOST_EVENTS]
     )
     more = " and more" if len(happened) > _MOST_EVENTS else ""
     text = f" {first[:1].upper()}{first[1:]}{more}." if happened else ""
@@ -168,8 +171,8 @@ def _inertial(findings: Findings) -> str:
 
 
 def _errors(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
-    told = told_paths(findings)
-    series = {name: one for name, one in findings.errors.against_truth.items() if name in told}
+    labels = told_paths(findings)
+    series = {name: one for name, one in findings.errors.against_truth.items() if name in labels}
     if not series:
         return ()
     rotation = {name: (one.time_s, one.rotation_deg) for name, one in series.items()}
@@ -199,11 +202,11 @@ def _errors(findings: Findings, lost: Spans) -> tuple[PagePlot, ...]:
 
 
 def _jitter(findings: Findings, lost: Spans) -> PagePlot:
-    told = told_paths(findings)
+    labels = told_paths(findings)
     series = {
-        name: (one.time_s, one.angular_rad_s2)
-        for name, one in findings.errors.acceleration.items()
-        if name in told
+        name: (acceleration.time_s, acceleration.angular_rad_s2)
+        for name, acceleration in findings.errors.acceleration.items()
+        if name in labels
     }
     return PagePlot(
         "Jitter",
@@ -263,17 +266,18 @@ def filter_images(findings: Findings) -> list[PagePlot]:
 
 
 def _within(findings: Findings) -> list[PagePlot]:
-    found = filter_errors(findings)
-    if found is None or not len(found.time_s):
+    within = filter_errors(findings)
+    if within is None or not len(within.time_s):
         return []
     images = []
     for title, part, factor, unit in (
         ("Rotation within ±σ", slice(0, 3), np.rad2deg(1.0), "°"),
         ("Position within ±σ", slice(3, 6), 1e3, "mm"),
     ):
-        errors, sigma = factor * found.errors[:, part], factor * found.sigma[:, part]
+        errors, sigma = factor * within.errors[:, part], factor * within.sigma[:, part]
         share, apart = (
-            float(np.mean(np.abs(one) <= sigma)) for one in (errors, errors - errors.mean(axis=0))
+            float(np.mean(np.abs(error) <= sigma))
+            for error in (errors, errors - errors.mean(axis=0))
         )
         caption = (
             f"Errors of the fused path in the camera's axes; tinted: one and two deviations that "
@@ -282,7 +286,7 @@ def _within(findings: Findings) -> list[PagePlot]:
             "side, of a board or a calibration, it takes for noise that averages out: less their "
             f"mean over time, {100 * apart:.0f} % lie within."
         )
-        svg = plot_within_sigma(found.time_s, errors, sigma, title, unit)
+        svg = plot_within_sigma(within.time_s, errors, sigma, title, unit)
         images.append(PagePlot(title, caption, svg, ("x", "y", "z")))
     return images
 
@@ -349,7 +353,7 @@ def _latency(findings: Findings) -> list[PagePlot]:
         return []
     tried = np.isfinite(curve.lag_s)
     lags, millimetres, degrees = (
-        one[tried] for one in (curve.lag_s, 1e3 * curve.position_m, curve.rotation_deg)
+        series[tried] for series in (curve.lag_s, 1e3 * curve.position_m, curve.rotation_deg)
     )
     caption = (
         "How far the path, answered so much later while it is recorded, lies from that by all of "

@@ -123,8 +123,8 @@ def page(
     `standing` is the sheet of what there is to stand on, where images were kept.
     """
     template = page_environment(TEMPLATE.parent).get_template(TEMPLATE.name)
-    told = told_paths(findings)
-    figures = {name: findings.errors.figures[name] for name in told}
+    labels = told_paths(findings)
+    figures = {name: findings.errors.figures[name] for name in labels}
     keys = shown_columns(figures)
     return template.render(
         name=findings.recording.name,
@@ -142,7 +142,7 @@ def page(
             "places": findings.placed.choices,
         },
         steadiness=steadiness(findings),
-        labels=told,
+        labels=labels,
         errors_caption=errors_caption(findings) + _smoothing(findings),
         columns=[heading(key, figures, metric=findings.camera_poses.metric) for key in keys],
         rows=_rows(figures, keys),
@@ -155,8 +155,10 @@ def page(
 
 def _stills(stills: Stills) -> dict[str, str]:
     """Addresses of those that there are."""
-    found = {"sheet": stills.sheet, "before": stills.before, "after": stills.after}
-    return {name: _data_address("image/jpeg", data) if data else "" for name, data in found.items()}
+    images = {"sheet": stills.sheet, "before": stills.before, "after": stills.after}
+    return {
+        name: _data_address("image/jpeg", data) if data else "" for name, data in images.items()
+    }
 
 
 def _shape(findings: Findings) -> float:

@@ -217,25 +217,25 @@ def to_mend(findings: Findings, without_film: str) -> list[str]:
     `without_film` says why there is no film, where there is none.
     """
     integrity = findings.integrity
-    told = [
+    advice = [
         capital(check.advice) for check in integrity.checks if not check.passed and check.advice
     ]
     gaps = [one for one in findings.unmeasured_spans_s() if one[1] - one[0] > LONG_GAP_S]
     if gaps:
-        start_s, end_s = max(gaps, key=lambda one: one[1] - one[0])
+        start_s, end_s = max(gaps, key=lambda gap: gap[1] - gap[0])
         others = f", and {len(gaps) - 1} more such gaps" if len(gaps) > 1 else ""
-        told.append(
+        advice.append(
             f"From {start_s:.1f} to {end_s:.1f} s no pose was measured{others}: film so that what "
             "poses come from stays in view, sharp and well lit"
         )
     if not findings.camera_poses.metric:
-        told.append(
+        advice.append(
             "Lengths have no metre, which one camera alone cannot tell: put a marker or board of "
             "known size into view, or record an IMU"
         )
     if without_film:
-        told.append(f"There is no film: {without_film}")
-    return [f"{one.rstrip('.')}." for one in told]
+        advice.append(f"There is no film: {without_film}")
+    return [f"{one.rstrip('.')}." for one in advice]
 
 
 def next_steps(findings: Findings) -> list[NextStep]:

@@ -158,8 +158,8 @@ def _camera(
     if (off > _FOCAL_SHARE and off > _SIGMAS * np.hypot(sigma, found_sigma)) or worse:
         advice = _mend(camera, board, some)
         return AuditFinding(name, "contradicted", off, "share", summary, advice), best
-    told = best_px <= scatter_px(camera) and _SIGMAS * sigma <= _SEPARABLE
-    verdict: Verdict = "consistent" if told else "unknown"
+    conclusive = best_px <= scatter_px(camera) and _SIGMAS * sigma <= _SEPARABLE
+    verdict: Verdict = "consistent" if conclusive else "unknown"
     return AuditFinding(name, verdict, off, "share", summary), best
 
 

@@ -30,19 +30,19 @@ def camera_poses(
 
     Raises ValueError where the blackouts leave no pose.
     """
-    found = tracked.value
-    times_ns = found.measurements.trajectory.time_ns
-    seen = ~_inside(times_ns, _spans(blackouts_s), int(found.frame_times_ns[0]))
+    poses = tracked.value
+    times_ns = poses.measurements.trajectory.time_ns
+    seen = ~_inside(times_ns, _spans(blackouts_s), int(poses.frame_times_ns[0]))
     if not np.any(seen):
         raise ValueError("camera_poses.blackouts_s: no measured pose is left; shorten the spans")
-    common = {field.name: getattr(found, field.name) for field in fields(CameraPoses)}
+    common = {field.name: getattr(poses, field.name) for field in fields(CameraPoses)}
     return CameraPoses(
         **common
         | {
             "measurements": PoseMeasurements(
-                found.measurements.trajectory[seen], found.measurements.covariance[seen]
+                poses.measurements.trajectory[seen], poses.measurements.covariance[seen]
             ),
-            "reprojection_px": found.reprojection_px[seen],
+            "reprojection_px": poses.reprojection_px[seen],
             "skipped": tracked.skipped,
         }
     )

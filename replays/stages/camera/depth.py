@@ -43,19 +43,19 @@ def measured_depth(recording: Recording) -> tuple[DepthCamera, MeasuredDepth]:
     return DepthCamera(lens.undistorted(), colour_T_depth), undistorted
 
 
-def refined_by_depth(recording: Recording, found: SlamResult) -> SlamResult | None:
+def refined_by_depth(recording: Recording, result: SlamResult) -> SlamResult | None:
     """SLAM's path and map, refined by depth; None without a path, or as `refine_by_depth` says."""
-    if found.trajectory is None:
+    if result.trajectory is None:
         return None
     taken_by, depth_m = measured_depth(recording)
     index = {stamp: row for row, stamp in enumerate(recording.frames.time_ns.tolist())}
     refined = refine_by_depth(
-        found.map,
-        found.trajectory,
+        result.map,
+        result.trajectory,
         seen_through(camera_of(recording)),
         taken_by,
         lambda time_ns: depth_m(index[time_ns]),
     )
     if refined is None:
         return None
-    return replace(found, trajectory=refined.trajectory, map=refined.map)
+    return replace(result, trajectory=refined.trajectory, map=refined.map)

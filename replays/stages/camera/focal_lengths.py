@@ -51,15 +51,15 @@ def found_cameras(recording: Recording) -> FoundCameras:
     if abs(np.log(depth_camera.camera.fx / stated.fx)) < _OFF:
         return FoundCameras(None, depth_camera, audit)
     registered = as_found(recording, None, depth_camera)
-    found = _factor(registered)
-    if found is None or _DEVIATIONS * found.sigma > _FARTHEST:
+    correction = _factor(registered)
+    if correction is None or _DEVIATIONS * correction.sigma > _FARTHEST:
         summary = f"the first {_FIRST_S:g} s do not tell which focal length is wrong"
-        told = AuditFinding(_NAME, "unknown", None, "share", f"{summary}; depth's was corrected")
-        return FoundCameras(None, depth_camera, (*audit, told))
-    colour = _longer(camera_of(recording), found.factor)
-    depth = _longer(depth_camera.camera, found.factor)
-    told = _told(camera_of(recording), stated, found, (colour, depth))
-    return FoundCameras(colour, DepthCamera(depth, depth_camera.colour_T_depth), (*audit, told))
+        finding = AuditFinding(_NAME, "unknown", None, "share", f"{summary}; depth's was corrected")
+        return FoundCameras(None, depth_camera, (*audit, finding))
+    colour = _longer(camera_of(recording), correction.factor)
+    depth = _longer(depth_camera.camera, correction.factor)
+    finding = _told(camera_of(recording), stated, correction, (colour, depth))
+    return FoundCameras(colour, DepthCamera(depth, depth_camera.colour_T_depth), (*audit, finding))
 
 
 def _factor(recording: Recording) -> FocalFactor | None:
@@ -72,14 +72,14 @@ def _factor(recording: Recording) -> FocalFactor | None:
     for number in track(range(count), "finding focal lengths", count):
         frame = frames[number]
         slam.track(frame.time_ns, frame.gray(), frame.still().depth_m(), None)
-    found = slam.finish()
-    if found.trajectory is None or not found.metric:
+    result = slam.finish()
+    if result.trajectory is None or not result.metric:
         return None
     taken_by, depth_m = measured_depth(recording)
     index = {stamp: row for row, stamp in enumerate(frames.time_ns.tolist())}
     return focal_factor(
-        found.map,
-        found.trajectory,
+        result.map,
+        result.trajectory,
         seen_through(camera),
         taken_by,
         lambda time_ns: depth_m(index[time_ns]),
@@ -91,15 +91,15 @@ def _longer(camera: Camera, factor: float) -> Camera:
 
 
 def _told(
-    colour: Camera, depth: Camera, by: FocalFactor, found: tuple[Camera, Camera]
+    colour: Camera, depth: Camera, by: FocalFactor, cameras: tuple[Camera, Camera]
 ) -> AuditFinding:
     """What is said of both focal lengths beside those that were stated."""
-    off = [one.fx / stated.fx - 1.0 for one, stated in zip(found, (colour, depth), strict=True)]
+    off = [one.fx / stated.fx - 1.0 for one, stated in zip(cameras, (colour, depth), strict=True)]
     most = max(map(abs, off))
-    sigma_px = by.sigma / by.factor * found[0].fx, by.sigma / by.factor * found[1].fx
+    sigma_px = by.sigma / by.factor * cameras[0].fx, by.sigma / by.factor * cameras[1].fx
     summary = (
-        f"colour's focal length looks like {found[0].fx:.0f} ± {sigma_px[0]:.0f} px "
-        f"({colour.fx:.0f} stated), depth's like {found[1].fx:.0f} ± {sigma_px[1]:.0f} px "
+        f"colour's focal length looks like {cameras[0].fx:.0f} ± {sigma_px[0]:.0f} px "
+        f"({colour.fx:.0f} stated), depth's like {cameras[1].fx:.0f} ± {sigma_px[1]:.0f} px "
         f"({depth.fx:.0f} stated); tracked with these"
     )
     advice = "calibrate both, or state these"

@@ -92,7 +92,7 @@ def _told(recording: Recording, result: InertialSlamResult) -> MappedWithImu | N
         log.info("%s: no metres while mapping, so they are looked for afterwards", recording.name)
         return None
     scale = float(start.world_T_visual.scale)
-    told = InertialHistory(
+    history = InertialHistory(
         result.slam.time_ns,
         result.states,
         result.metric_from_ns,
@@ -102,4 +102,4 @@ def _told(recording: Recording, result: InertialSlamResult) -> MappedWithImu | N
         start.tilt_sigma_rad,
         rows_readout_s(recording),
     )
-    return MappedWithImu(result.slam, measurements, told)
+    return MappedWithImu(result.slam, measurements, history)

@@ -124,34 +124,34 @@ def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
     for frame in track(recording.frames, "mapping", len(recording.frames)):
         right = None if settings.baseline_m is None else frame.right()
         slam.track(frame.time_ns, frame.gray(), frame.still().depth_m(), right)
-    found = slam.finish()
-    if found.trajectory is None:
+    result = slam.finish()
+    if result.trajectory is None:
         raise TrackingError(
             f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
             "only turns; tracked.by=simulated or a board would do"
         )
-    return found
+    return result
 
 
-def _measured(recording: Recording, found: SlamResult, start: float) -> SlamPoses:
+def _measured(recording: Recording, result: SlamResult, start: float) -> SlamPoses:
     """The path in metres where depth, a known map or an IMU gives them, else in the map's unit."""
-    if found.metric:
-        return _as_mapped(recording, found, "with depth", start)
+    if result.metric:
+        return _as_mapped(recording, result, "with depth", start)
     try:
-        metres = in_metres(recording, found)
+        metres = in_metres(recording, result)
     except NoMetres as why:
         scale = f"by one camera (scale: free, lengths have no unit; {why})"
-        return _as_mapped(recording, found, scale, start)
-    return _by_inertia(recording, found, metres, start)
+        return _as_mapped(recording, result, scale, start)
+    return _by_inertia(recording, result, metres, start)
 
 
-def _as_mapped(recording: Recording, found: SlamResult, scale: str, start: float) -> SlamPoses:
+def _as_mapped(recording: Recording, result: SlamResult, scale: str, start: float) -> SlamPoses:
     """The path as it was tracked."""
-    path = found.trajectory
+    path = result.trajectory
     if path is None:
-        raise ValueError("found: expected a run of SLAM that found poses, got none")
+        raise ValueError("result: expected a run of SLAM that found poses, got none")
     floor = np.repeat((_SIGMA_FLOOR_RAD**2, _SIGMA_FLOOR_M**2), 3)
-    covariance: FloatArray = found.covariance + np.diag(floor)
+    covariance: FloatArray = result.covariance + np.diag(floor)
     resumed = recording.slam_map is not None
     first_T_world = Motor.identity() if resumed else path.motors[0].inverse()
     in_world = path.transformed_by(left=first_T_world)
@@ -162,17 +162,19 @@ def _as_mapped(recording: Recording, found: SlamResult, scale: str, start: float
         recording.frames.time_ns,
         np.full(len(path), np.nan),
         "slam",
-        _summary(recording, found, scale),
-        metric=found.metric,
-        points=first_T_world.apply(found.map.points),
-        sighted=_sighted(recording, found.map, in_world),
+        _summary(recording, result, scale),
+        metric=result.metric,
+        points=first_T_world.apply(result.map.points),
+        sighted=_sighted(recording, result.map, in_world),
         seconds=time.perf_counter() - start,
-        slam_map=found.map,
-        slam_history=found.history,
+        slam_map=result.map,
+        slam_history=result.history,
     )
 
 
-def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: float) -> SlamPoses:
+def _by_inertia(
+    recording: Recording, result: SlamResult, metres: Metres, start: float
+) -> SlamPoses:
     """The path in metres, z up."""
     unit, sigma = metres.made.metres_a_unit, metres.scale_sigma
     measurements = metres.made.measurements
@@ -185,24 +187,24 @@ def _by_inertia(recording: Recording, found: SlamResult, metres: Metres, start: 
         recording.frames.time_ns,
         np.full(len(measurements), np.nan),
         "slam",
-        _summary(recording, found, scale),
+        _summary(recording, result, scale),
         points=metres.made.keyframes.landmarks_m,
         metres_a_unit=unit,
         scale_sigma=sigma,
-        sighted=_sighted(recording, found.map, measurements.trajectory, unit),
+        sighted=_sighted(recording, result.map, measurements.trajectory, unit),
         seconds=time.perf_counter() - start,
-        slam_map=found.map,
-        slam_history=found.history,
+        slam_map=result.map,
+        slam_history=result.history,
     )
 
 
 def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) -> SlamPoses:
     """The path in metres, z up, that SLAM with an IMU inside gave."""
-    found, told, measurements = mapped.found, mapped.told, mapped.measurements
-    after = f"{told.metric_from_s:.1f} s after the first frame"
+    result, history, measurements = mapped.found, mapped.told, mapped.measurements
+    after = f"{history.metric_from_s:.1f} s after the first frame"
     scale, unit, sigma = f"by a stereo pair with the IMU inside, upright {after}", None, None
     if recording.baseline_m is None:
-        unit, sigma = told.metres_a_unit, told.scale_sigma
+        unit, sigma = history.metres_a_unit, history.scale_sigma
         scale = (
             f"by one camera with the IMU inside, metres and up {after} (the map's unit was "
             f"{unit:.4g} m ± {100 * sigma:.2g} % then)"
@@ -212,15 +214,15 @@ def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) 
         recording.frames.time_ns,
         np.full(len(measurements), np.nan),
         "slam",
-        _summary(recording, found, scale),
-        points=found.map.points,
+        _summary(recording, result, scale),
+        points=result.map.points,
         metres_a_unit=unit,
         scale_sigma=sigma,
-        sighted=_sighted(recording, found.map, measurements.trajectory),
+        sighted=_sighted(recording, result.map, measurements.trajectory),
         seconds=time.perf_counter() - start,
-        slam_map=found.map,
-        slam_history=found.history,
-        inertial=told,
+        slam_map=result.map,
+        slam_history=result.history,
+        inertial=history,
     )
 
 
@@ -243,16 +245,16 @@ def _sighted(
     return SightedPoints(camera, known.time_ns, frame, points, known.px[kept])
 
 
-def _summary(recording: Recording, found: SlamResult, scale: str) -> str:
+def _summary(recording: Recording, result: SlamResult, scale: str) -> str:
     resumed = "in a saved map, " if recording.slam_map is not None else ""
     text = f"tracked by visual SLAM {resumed}{scale}"
-    loops = found.history.count("loop closed")
+    loops = result.history.count("loop closed")
     if loops:
         text += f", {loops} {'loops' if loops > 1 else 'loop'} closed"
-    if found.separate:
-        apart = sum(0 if one.trajectory is None else len(one.trajectory) for one in found.separate)
+    if result.separate:
+        apart = sum(0 if one.trajectory is None else len(one.trajectory) for one in result.separate)
         text += (
-            f"; {apart} frames lie in {len(found.separate)} other maps, which nothing connects to "
+            f"; {apart} frames lie in {len(result.separate)} other maps, which nothing connects to "
             "this one, and have no pose here"
         )
     return text
@@ -276,7 +278,7 @@ class Metres:
     scale_sigma: float
 
 
-def in_metres(recording: Recording, found: SlamResult) -> Metres:
+def in_metres(recording: Recording, result: SlamResult) -> Metres:
     """Give a finished run of SLAM scale and up, by the recorded IMU at its recorded stamps.
 
     Raises:
@@ -291,28 +293,28 @@ def in_metres(recording: Recording, found: SlamResult) -> Metres:
     noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")
     try:
         readout_s = rows_readout_s(recording)
-        made = metric_map(found, camera, imu, noise, recording.imu_T_camera, readout_s)
+        scaled_map = metric_map(result, camera, imu, noise, recording.imu_T_camera, readout_s)
     except (ValueError, RuntimeError) as refused:  # gtsam's own errors are RuntimeErrors
         raise NoMetres(f"the IMU does not tell the scale: {refused}") from refused
-    sigma = made.start.log_scale_sigma
+    sigma = scaled_map.start.log_scale_sigma
     if not sigma <= _MOST_SIGMA:
         raise NoMetres(
             f"the IMU tells the scale to ±{100 * sigma:.0f} % only: too little acceleration"
         )
-    beyond, count = _contradicting(made, imu, noise, recording.imu_T_camera)
+    beyond, count = _contradicting(scaled_map, imu, noise, recording.imu_T_camera)
     if beyond > most_by_chance(count, _CONTAMINATION):
         raise NoMetres(
             f"the IMU does not tell the scale: {beyond} of {count} poses of the path that it was "
             "to bring to metres contradict it"
         )
-    return Metres(made, sigma)
+    return Metres(scaled_map, sigma)
 
 
 def _contradicting(
-    made: MetricMap, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
+    scaled_map: MetricMap, imu: ImuStream, noise: ImuNoise, imu_T_camera: Motor
 ) -> tuple[int, int]:
     """How many of the poses in metres the filter's gate would not let pass, and of how many."""
-    stamps = made.measurements.trajectory.time_ns
-    fused = fuse(made.measurements, imu, noise, imu_T_camera, stamps)
+    stamps = scaled_map.measurements.trajectory.time_ns
+    fused = fuse(scaled_map.measurements, imu, noise, imu_T_camera, stamps)
     judged = fused.nis[np.isfinite(fused.nis)]
     return int(np.count_nonzero(judged > FilterSettings().gate_limit(_FREEDOM))), len(judged)

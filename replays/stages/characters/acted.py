@@ -105,10 +105,11 @@ def acted(scene: Scene, name: str, folder: Path, lasts_s: float) -> Acted:
         else:
             scale = size * float(scene.pose(name).as_similarity().scale)
             actor = _walker(name, character, scale, part, part.walk)
-            made = perform(_timeline(actor, part.walk), float(time_s[-1]), RATE_HZ)
-            time_s, poses, way = made.time_s, made.poses, made.plane_T_character
-            slide_m = max((slide for _, _, slide in foot_slides_m(actor, made)), default=0.0)
-            states = _states(made)
+            performance = perform(_timeline(actor, part.walk), float(time_s[-1]), RATE_HZ)
+            time_s, poses = performance.time_s, performance.poses
+            way = performance.plane_T_character
+            slide_m = max((slide for _, _, slide in foot_slides_m(actor, performance)), default=0.0)
+            states = _states(performance)
         for layer in part.layers:
             poses = _layered(character, layer, time_s, poses)
         poses = _turned(character.skeleton, part, time_s, poses)
@@ -259,7 +260,7 @@ def things_of(scene: Scene) -> list[str]:
         raise ValueError(
             f"scene: expected at most {MOST_THINGS} characters and props, got {len(names)}"
         )
-    return sorted(names, key=lambda one: scene.part(one).kind != "character")
+    return sorted(names, key=lambda name: scene.part(name).kind != "character")
 
 
 def cast_as(scene: Scene, name: str, folder: Path) -> Character:

@@ -107,12 +107,12 @@ def with_motions(character: Character, motions: tuple[Path, ...]) -> Character:
                 raise ValueError(f"{file}: expected clips of different names, got {name!r} twice")
             taken.add(name)
             try:
-                made = retarget(clip, motion.skeleton, character.skeleton, legs=legs)
+                retargeted = retarget(clip, motion.skeleton, character.skeleton, legs=legs)
             except ValueError as fault:
                 raise ValueError(
                     f"{file}: '{clip.name}' does not fit the character ({fault})"
                 ) from fault
-            clips.append(replace(made, name=name))
+            clips.append(replace(retargeted, name=name))
     return replace(character, clips=tuple(clips))
 
 
@@ -147,17 +147,21 @@ def played(
     except ValueError as fault:
         raise ValueError(f"cast: {fault}") from fault
     _tell(crowd, actors, lasts_s)
-    made = []
+    performances = []
     for member, timeline in zip(cast.members, crowd.timelines, strict=True):
         lasting = max(min(lasts_s, timeline.done_s + LONGEST_IDLE_S), 0.1)
         seen_s = max(lasts_s, 0.1)
-        made.append(perform(timeline, lasting, look_at=_look_at(member, camera), most_s=seen_s))
-    apart_m = closest_m(list(zip(actors, made, strict=True)))
+        performances.append(
+            perform(timeline, lasting, look_at=_look_at(member, camera), most_s=seen_s)
+        )
+    apart_m = closest_m(list(zip(actors, performances, strict=True)))
     if np.isfinite(apart_m):
         log.info("cast: bodies are %.3g m apart or more", apart_m)
     parts = tuple(
-        _part(member, actor, one, note, plane)
-        for member, actor, one, note in zip(cast.members, actors, made, crowd.notes, strict=True)
+        _part(member, actor, performance, note, plane)
+        for member, actor, performance, note in zip(
+            cast.members, actors, performances, crowd.notes, strict=True
+        )
     )
     return parts, apart_m
 
@@ -242,14 +246,14 @@ def _character(member: CastMember) -> Character:
 def rigid_clip(character: Character, name: str) -> Clip:
     """A clip of the character by its name, or the mannequin's of that name, rigid."""
     try:
-        found = clip_named(character, name)
+        chosen = clip_named(character, name)
     except ValueError as fault:
         if any(clip.name == name for clip in character.clips):
             raise
         names = ", ".join(repr(clip.name) for clip in character.clips) or "none"
         advice = did_you_mean(name, [clip.name for clip in character.clips])
         raise ValueError(f"no clip {name!r} among its own ({names}); {advice}") from fault
-    return replace(found, poses=found.poses.rigid, morphs=None)
+    return replace(chosen, poses=chosen.poses.rigid, morphs=None)
 
 
 def _layer(character: Character, asked: LayerAsked) -> ClipLayer:

@@ -306,7 +306,9 @@ def _by_imu(
     return replace(filtered, latency=curve, noise=learnt)
 
 
-def _in_their_world(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | None) -> FusedPath:
+def _in_their_world(
+    estimate: Fused, imu: UsedImu, level: Levelled, lag_s: float | None
+) -> FusedPath:
     """The filter's path in the world of the measured poses, whose z may lean."""
     summary = f"fused with the {'recorded' if imu.origin == 'recorded' else 'simulated'} IMU"
     if lag_s is not None:
@@ -314,10 +316,10 @@ def _in_their_world(found: Fused, imu: UsedImu, level: Levelled, lag_s: float | 
     if level.leaned:
         summary += f" (the world's z leans {level.lean_deg:.0f}° from up)"
     return FusedPath(
-        found.trajectory.transformed_by(left=level.level_T_world.inverse()),
-        found.covariance,
-        found.nis,
-        found.accepted,
+        estimate.trajectory.transformed_by(left=level.level_T_world.inverse()),
+        estimate.covariance,
+        estimate.nis,
+        estimate.accepted,
         "imu",
         summary,
     )

@@ -62,8 +62,8 @@ def imu(
             raise ValueError(f"{recording.name}: imu.sync={sync} needs a recorded IMU")
         return _none(recording)
     noise = recording.imu_noise or ADIS16448
-    made = UsedImu(None, noise, recording.imu_T_camera, "recorded")
-    return made if sync == "off" else _on_camera_clock(made, recording.imu, camera_poses)
+    used = UsedImu(None, noise, recording.imu_T_camera, "recorded")
+    return used if sync == "off" else _on_camera_clock(used, recording.imu, camera_poses)
 
 
 def _none(recording: Recording) -> UsedImu:
@@ -108,5 +108,7 @@ def _on_camera_clock(imu: UsedImu, recorded: ImuStream, camera_poses: CameraPose
             "another recording (motorcade sync), and state it in a manifest ([imu] clock_offset_s "
             "= ...)"
         )
-    found = synchronise(camera_poses.measurements.trajectory, recorded, imu.noise)
-    return replace(imu, clock_offset_s=found.offset_s, clock_offset_sigma_s=found.offset_sigma_s)
+    synchronised = synchronise(camera_poses.measurements.trajectory, recorded, imu.noise)
+    return replace(
+        imu, clock_offset_s=synchronised.offset_s, clock_offset_sigma_s=synchronised.offset_sigma_s
+    )

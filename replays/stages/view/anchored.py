@@ -96,12 +96,12 @@ class Grounds:
         marker_map = None if self.marker_poses is None else self.marker_poses.marker_map
         if marker is not None:
             known = known_marker(recording, camera_poses, marker_map, marker)
-            found = find_marker(recording, self.seen_from, marker, known)
-            ground = ground_on_marker(found.world_T_marker, found.side_m, marker)
-            if found.path is None:
+            located = find_marker(recording, self.seen_from, marker, known)
+            ground = ground_on_marker(located.world_T_marker, located.side_m, marker)
+            if located.path is None:
                 return ground, None
-            start_T_marker: Motor = found.world_T_marker.inverse()
-            motion = found.path.transformed_by(right=start_T_marker, child="start")
+            start_T_marker: Motor = located.world_T_marker.inverse()
+            motion = located.path.transformed_by(right=start_T_marker, child="start")
             return replace(ground, name=f"{ground.name}, which moves"), motion
         grounds = self.candidates(on, floor_m)
         if not grounds:
@@ -177,15 +177,18 @@ class Grounds:
         """
         normal = face.world_T_plane.rotor.apply([0.0, 0.0, 1.0])
         lies, stands = up.probability(normal), up.probability_across(normal)
-        told, flat = lies + stands, PRINTS_LIE / (1.0 - PRINTS_LIE) * ACROSS_TO_ALONG * lies
-        lies = told * flat / max(flat + stands, 1e-12)
-        stands = told - lies
+        either, flat = lies + stands, PRINTS_LIE / (1.0 - PRINTS_LIE) * ACROSS_TO_ALONG * lies
+        lies = either * flat / max(flat + stands, 1e-12)
+        stands = either - lies
         face = replace(self._seen_large(face), rank=lies)
         edge = replace(on_top_edge(face, up.across(normal)), rank=stands)
         doubts = [f"that {face.name} {how} is a guess" for how in ("lies flat", "stands upright")]
         grounds = [
-            replace(one, doubt=f"{doubt} ({100 * one.rank:.0f} % sure)" * (one.rank < PRINT_SURE))
-            for one, doubt in zip((face, edge), doubts, strict=True)
+            replace(
+                ground,
+                doubt=f"{doubt} ({100 * ground.rank:.0f} % sure)" * (ground.rank < PRINT_SURE),
+            )
+            for ground, doubt in zip((face, edge), doubts, strict=True)
         ]
         return sorted(grounds, key=lambda ground: -ground.rank)
 
@@ -332,8 +335,8 @@ def _one_pose(poses: Motor, cameras: Motor, seen: CornerStream, side_m: float) -
     def residuals(twist: FloatArray) -> FloatArray:
         return _missed_px(start @ Motor.from_twist(twist), cameras, seen, side_m).ravel()
 
-    found = least_squares(residuals, np.zeros(6), loss="soft_l1", x_scale=[1, 1, 1] + [side_m] * 3)
-    return start @ Motor.from_twist(found.x)
+    fit = least_squares(residuals, np.zeros(6), loss="soft_l1", x_scale=[1, 1, 1] + [side_m] * 3)
+    return start @ Motor.from_twist(fit.x)
 
 
 def _apart(poses: Motor) -> FloatArray:

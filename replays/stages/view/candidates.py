@@ -246,7 +246,7 @@ def _lines(scene: SeenScene) -> FloatArray | None:
     recording, camera = scene.recording, scene.recording.camera
     if camera is None or isinstance(recording.frames, CornerFrames):
         return None
-    found = []
+    line_rays = []
     for frame in _spread(recording, scene.path, _FRAMES_WITH_LINES):
         world_T_camera = scene.path.motors_at(np.int64(frame.time_ns))
         rays = segment_rays(frame.gray(), camera, world_T_camera)
@@ -258,8 +258,8 @@ def _lines(scene: SeenScene) -> FloatArray | None:
             at = np.isfinite(meets).all(axis=-1)
             inwards = plane.centre_m + (meets[at] - plane.centre_m) / _BEYOND
             on[at] |= plane.holds(inwards) & (belief >= _BELIEVED)
-        found.append(rays[~on])
-    return np.concatenate(found) if found else None
+        line_rays.append(rays[~on])
+    return np.concatenate(line_rays) if line_rays else None
 
 
 def _spread(recording: Recording, path: Trajectory, most: int) -> Iterator[Frame]:
@@ -278,14 +278,14 @@ def _seen_in_depth(camera: Camera | None, frame: Frame) -> tuple[tuple[Plane, ..
     if camera is None or depth is None:
         return nothing
     try:
-        found = find_planes_in_depth(depth, camera, np.random.default_rng(0))
+        surfaces = find_planes_in_depth(depth, camera, np.random.default_rng(0))
     except ValueError:  # hardly any depth in this frame: another may have more
         return nothing
     y, x = np.mgrid[: depth.shape[0] : _EVERY_PX, : depth.shape[1] : _EVERY_PX].reshape(2, -1)
     ahead = depth[y, x].astype(np.float64)
     known = np.isfinite(ahead) & (ahead > 0.0)
     rays = camera.unproject(np.stack([x[known], y[known]], axis=-1).astype(np.float64))
-    return found.planes, np.asarray(rays / rays[:, 2:] * ahead[known, None])
+    return surfaces.planes, np.asarray(rays / rays[:, 2:] * ahead[known, None])
 
 
 def _scene_depth(points: FloatArray, world_T_camera: Motor) -> float:

@@ -206,10 +206,10 @@ def _estimated(
         ground = ground_of_footage(seen, camera, path, stand, prints)
     meter = None if ground is None else ExposureMeter(ground)
     height_m = stand.scale * character.height_m
-    found = lighting_of_footage(seen, camera, path, stand, height_m)
-    if found is None:
-        found = lighting_without_depth(seen, camera, path, stand, height_m, prints, ground)
-    return *found, meter
+    light = lighting_of_footage(seen, camera, path, stand, height_m)
+    if light is None:
+        light = lighting_without_depth(seen, camera, path, stand, height_m, prints, ground)
+    return *light, meter
 
 
 class _Footage:
@@ -260,8 +260,8 @@ class _Footage:
     def counted(self, images: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""
         for image in images:
-            given = self._given.popleft()
-            before = given if given.ndim == 3 else given[..., None]
+            undrawn = self._given.popleft()
+            before = undrawn if undrawn.ndim == 3 else undrawn[..., None]
             self.drawn_into += bool(np.any(image != before))
             yield image
 

@@ -111,13 +111,13 @@ def placed(
     if position_m and len(position_m) != 2:
         raise ValueError(f"placed.position_m: expected x,y, got {len(position_m)} numbers")
     axes = up, front, hide
-    told = (character != Path(MANNEQUIN), clip, *axes, path, position_m, heading_deg is not None)
+    stated = (character != Path(MANNEQUIN), clip, *axes, path, position_m, heading_deg is not None)
     if str(cast) != NOBODY:
-        _refuse_beside("cast", *map(bool, told))
+        _refuse_beside("cast", *map(bool, stated))
     if interpolation is not None and str(scene) == NOTHING:
         raise ValueError("placed.interpolation: expected none without placed.scene")
     if str(scene) != NOTHING:
-        _refuse_beside("scene", *map(bool, told), height_m is not None, str(cast) != NOBODY)
+        _refuse_beside("scene", *map(bool, stated), height_m is not None, str(cast) != NOBODY)
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     way = path_of(path) if path else None
     if (on == "marker") != (marker is not None):
@@ -201,10 +201,10 @@ def _tell_of_raising(share: float, clip: str) -> None:
         )
 
 
-def _refuse_beside(what: str, *told: bool) -> None:
+def _refuse_beside(what: str, *stated: bool) -> None:
     """ValueError where a knob says what the cast or scene says already."""
-    for name, given in zip(CAST_SAYS if what == "cast" else SCENE_SAYS, told, strict=True):
-        if given:
+    for name, is_stated in zip(CAST_SAYS if what == "cast" else SCENE_SAYS, stated, strict=True):
+        if is_stated:
             raise ValueError(
                 f"placed.{name}: expected none beside placed.{what}, which says it"
                 + (f"; --set placed.{name}= takes away the manifest's" if name in LISTS else "")
@@ -321,21 +321,21 @@ class BoundScene:
     def __post_init__(self) -> None:
         for name, anchor in self.scene.anchors.items():
             try:
-                found = self.grounds.asked(anchor.on, anchor.marker, anchor.floor_m)
+                ground, motion = self.grounds.asked(anchor.on, anchor.marker, anchor.floor_m)
             except ValueError as fault:
                 raise ValueError(f"scene, anchor '{name}': {fault}") from fault
-            self._anchors[name] = found
+            self._anchors[name] = ground, motion
         lasts_s = 1e-9 * float(self._span_ns[1] - self._span_ns[0])
         poses = 0
         for name in things_of(self.scene):
-            one = acted(self.scene, name, self.folder, lasts_s)
-            poses += one.poses.coefficients.size // 8 + int(RATE_HZ * lasts_s)
+            performed = acted(self.scene, name, self.folder, lasts_s)
+            poses += performed.poses.coefficients.size // 8 + int(RATE_HZ * lasts_s)
             if poses > MOST_POSES:
                 raise ValueError(
                     f"scene, '{name}': expected at most {MOST_POSES} poses of joints and objects "
                     f"up to here, got {poses}: fewer of them, or a shorter recording"
                 )
-            self._acted[name] = one
+            self._acted[name] = performed
 
     def parts(self) -> tuple[PlayedPart, ...]:
         """All characters and props; first the first character, or prop where there is none."""
@@ -358,16 +358,16 @@ class BoundScene:
         return int(stamps[0]), int(stamps[-1])
 
     def _part(self, name: str) -> PlayedPart:
-        one, part = self._acted[name], self.scene.part(name)
+        performed, part = self._acted[name], self.scene.part(name)
         ground, ground_motion = self.ground_of(name)
         return PlayedPart(
             name,
-            one.file,
+            performed.file,
             Placement(ground.world_T_plane, 1.0),
-            one.time_s,
-            one.poses,
-            one.states,
-            worst_slide_m=one.worst_slide_m,
+            performed.time_s,
+            performed.poses,
+            performed.states,
+            worst_slide_m=performed.worst_slide_m,
             motion=self._motion(name, ground.world_T_plane),
             ground_motion=ground_motion,
             visible_s=part.visible_s,
@@ -384,11 +384,11 @@ class BoundScene:
         poses = Similarity.identity((len(stamps),))
         if above is None:
             poses = Similarity.from_motor_scale(world_T_plane.inverse()).reshape(1) @ poses
-        for one in reversed(chain):
-            poses = poses @ self._local(one, time_s)
+        for link in reversed(chain):
+            poses = poses @ self._local(link, time_s)
         sized = Similarity.from_motor_scale(Motor.identity(), self._acted[name].size)
-        made = Similarity.normalize((poses @ sized).coefficients)
-        return Trajectory(stamps, made, "placement", "character")
+        plane_T_character = Similarity.normalize((poses @ sized).coefficients)
+        return Trajectory(stamps, plane_T_character, "placement", "character")
 
     def _moves(self, name: str) -> bool:
         part = self.scene.part(name)
@@ -399,9 +399,9 @@ class BoundScene:
         part, pose = self.scene.part(name), self.scene.pose(name).as_similarity()
         if part.keyframes:
             return between_keyframes(part, time_s, self.interpolation)
-        one = self._acted.get(name)
-        if one is not None and one.parent_T_character is not None:
-            way = Clip("way", one.time_s, one.parent_T_character.reshape(-1, 1))
+        performed = self._acted.get(name)
+        if performed is not None and performed.parent_T_character is not None:
+            way = Clip("way", performed.time_s, performed.parent_T_character.reshape(-1, 1))
             return Similarity.from_motor_scale(way.at(time_s).rigid[:, 0], pose.scale)
         return pose.reshape(1)[np.zeros(len(time_s), dtype=np.int64)]
 

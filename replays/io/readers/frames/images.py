@@ -52,18 +52,18 @@ def read_image_bytes(
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
-        found = upright_size(data)
+        width, height = upright_size(data)
     except ValueError as fault:
         raise _damaged(path, str(fault), field) from fault
-    if field is not None and found[0] * found[1] > FRAME_PIXELS:
-        problem = f"expected frames of at most {FRAME_PIXELS} pixels, got {found[0]} x {found[1]}"
+    if field is not None and width * height > FRAME_PIXELS:
+        problem = f"expected frames of at most {FRAME_PIXELS} pixels, got {width} x {height}"
         raise refusal(path, problem, field=field, advice="make all images smaller alike")
-    if size is not None and found != size:
+    if size is not None and size != (width, height):
         raise refusal(
             path,
-            f"expected {size[0]} x {size[1]} pixels as the camera has, got {found[0]} x {found[1]}",
+            f"expected {size[0]} x {size[1]} pixels as the camera has, got {width} x {height}",
             field=field,
-            advice=advice or f"{size_advice(size, found)}, or leave the image out",
+            advice=advice or f"{size_advice(size, (width, height))}, or leave the image out",
         )
     return data
 

@@ -55,11 +55,11 @@ def read(root: Path, *, own_truth: bool = True) -> Recording:
     refuse_gaps(files, "7-Scenes stamps are made from 30 Hz: copy the missing image again")
     time_ns = even_stamps(len(files), RATE_HZ)
     depth = _beside(files, ".depth.png")
-    given = [base / "camera-intrinsics.txt" for base in (folder, root)]
+    stated_files = [base / "camera-intrinsics.txt" for base in (folder, root)]
     size = ImageFrames(files, time_ns).first_size()
     scale = size[0] / _WIDTH
     colour, nominal = (tuple(scale * value for value in camera) for camera in (_COLOUR, _DEPTH))
-    intrinsics = next((read_matrix(path) for path in given if path.is_file()), nominal)
+    intrinsics = next((read_matrix(path) for path in stated_files if path.is_file()), nominal)
     camera = make_camera(folder, size, colour, "pinhole", ())
     sensor = DepthCamera(make_camera(folder, size, intrinsics, "pinhole", ()), _COLOUR_T_DEPTH)
     poses = _beside(files, ".pose.txt") if own_truth else ()

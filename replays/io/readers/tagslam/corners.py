@@ -188,13 +188,13 @@ def _stream(
     for row, (time_ns, tags) in enumerate(ordered):
         named = [(_meant(int(tag.id), time_ns, name, remaps), tag) for tag in tags]
         for marker, tag in sorted(named, key=lambda pair: pair[0]):
-            found = [(corner.x, corner.y) for corner in tag.corners]
+            corners_px = [(corner.x, corner.y) for corner in tag.corners]
             left_out = any(one.leaves_out(int(tag.id), time_ns) for one in squashed)
             if scene.side_m(marker) is None or left_out:
                 continue
             rows.append(row)
             ids.append(marker)
-            corners.append(found)
+            corners.append(corners_px)
     return CornerStream(
         camera=camera,
         time_ns=np.array([time_ns for time_ns, _ in ordered]),

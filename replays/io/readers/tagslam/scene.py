@@ -287,10 +287,10 @@ def _named(path: Path, value: object, field: str) -> Sequence[Mapping[str, objec
     """Tables of a list of tables with one key each."""
     named = []
     for entry in _tables(path, value, field):
-        for one in entry.values():
-            if not isinstance(one, dict):
-                raise refusal(path, f"expected a table, got {one_line(one)}", field=field)
-            named.append(one)
+        for table in entry.values():
+            if not isinstance(table, dict):
+                raise refusal(path, f"expected a table, got {one_line(table)}", field=field)
+            named.append(table)
     return named
 
 
