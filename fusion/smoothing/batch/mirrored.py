@@ -234,12 +234,36 @@ class _Run:
         return turned
 
     def _with(self, marker: FloatArray) -> Problem:
-        """The segment with the run mirrored."""
+        """The segment with those of the run mirrored for which the path bends least."""
         coefficients = np.array(self.problem.poses.rigid.coefficients)
-        coefficients[self.run] = self._mirrored(marker).coefficients
+        turned = self._smoothest(Motor(coefficients), self._mirrored(marker))
+        rows = self.run.start + np.flatnonzero(turned)
+        coefficients[rows] = self._mirrored(marker)[turned].coefficients
         poses = Motor(coefficients)
         kept = inlier_poses(self.time_s, poses, *self.sizes[:2])
         return Problem(self.problem.representation, self.time_s, poses, kept, self.sizes)
+
+    def _smoothest(self, measured: Motor, mirrored: Motor) -> NDArray[np.bool_]:
+        """Which poses of the run are mirrored on the path whose speed changes least from pose to
+        pose, by dynamic programming: where both candidates come close, a run ends without a leap.
+        """
+        first, last = max(self.run.start - 2, 0), min(self.run.stop + 2, len(self.time_s))
+        either = np.repeat(measured.coefficients[first:last, None], 2, axis=1)
+        offered = np.zeros(last - first, dtype=np.bool_)
+        offered[self.run.start - first : self.run.stop - first] = True
+        either[offered, 1] = mirrored.coefficients
+        candidates, step_s = Motor(either), np.diff(self.time_s[first:last])[:, None]
+        steps = (candidates[:-1, :, None].inverse() @ candidates[1:, None, :]).as_twist()
+        rates = steps / step_s[:, None, None]
+        noise, density = (np.repeat(pair, 3) for pair in zip(*self.sizes[:2], strict=True))
+        before, behind = 1.0 / step_s[:-1], 1.0 / step_s[1:]
+        variance = noise**2 * (before**2 + behind**2 + (before + behind) ** 2)
+        variance += 0.5 * density**2 * (step_s[:-1] + step_s[1:])
+        bends = rates[1:, None] - rates[:-1, ..., None, :]
+        squares = np.sum(bends**2 / variance[:, None, None, None], axis=-1)
+        price = np.log1p(squares / self.width**2)
+        price[~offered[2:], :, :, 1] = np.inf
+        return _cheapest(price, offered)[self.run.start - first : self.run.stop - first]
 
     def _by_marker(self, marker: FloatArray, path: PathState) -> tuple[FloatArray, FloatArray]:
         """Derivatives ``(K, 6, 5)`` of the residuals, and the ways ``(5, 6)`` a marker may go."""
@@ -253,6 +277,28 @@ class _Run:
             for step in (_STEP, -_STEP)
         )
         return np.moveaxis((ahead - back) / (2.0 * _STEP), 0, -1), ways
+
+
+def _cheapest(price: FloatArray, offered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of two candidates ``(N,)`` each pose has in the cheapest sequence.
+
+    Args:
+        price: ``(N - 2, 2, 2, 2)`` of each three poses in a row, by their candidates.
+        offered: ``(N,)`` of which poses there is a second candidate.
+    """
+    score = np.where(
+        np.logical_or.outer([False, not offered[0]], [False, not offered[1]]), np.inf, 0
+    )
+    before = np.zeros((len(price), 2, 2), dtype=np.int64)
+    for row, each in enumerate(price):
+        total = score[:, :, None] + each
+        before[row] = np.argmin(total, axis=0)
+        score = np.min(total, axis=0)
+    pair = np.unravel_index(int(np.argmin(score)), (2, 2))
+    chosen = [int(pair[1]), int(pair[0])]
+    for choice in before[::-1]:
+        chosen.append(int(choice[chosen[-1], chosen[-2]]))
+    return np.array(chosen[::-1], dtype=np.bool_)
 
 
 def _markers(poses: Motor, expected: _Expected, rows: IntArray, noise_rad: float) -> FloatArray:

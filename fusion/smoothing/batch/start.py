@@ -164,13 +164,14 @@ class PathStart:
         like, poses, kept = self.trajectory, self.trajectory.poses, self.weights > 0.0
         kept[run] = False
         read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
-        if read is None or not np.all(read[1]):
+        if read is None:
             return self
         rigid = np.array(poses.rigid.coefficients)
         weights, mirrored = np.array(self.weights), np.array(self.mirrored)
-        rigid[run], weights[run], mirrored[run] = read[0].coefficients, 1.0, True
+        rows = run.start + np.flatnonzero(read[1])
+        rigid[rows], weights[rows], mirrored[rows] = read[0][read[1]].coefficients, 1.0, True
         trajectory = replace(like, poses=with_rigid(poses, Motor(rigid)))
-        jumps = np.setdiff1d(self.jumps, [run.start, run.stop])
+        jumps = np.setdiff1d(self.jumps, [rows[0], rows[-1] + 1])
         return PathStart(trajectory, weights, mirrored, jumps)
 
     def _with_levels_returned(
