@@ -39,8 +39,9 @@ CLEAR, CLEAR_OF_WAY = 0.014, 0.05
 # Toe-off and landing: how long a swing takes to come to its clearance, and to give it up; and how
 # far a lift reaches before and after where it is needed.
 ROLL_S, SPREAD_S = 0.1, 0.1
-# A foot that is so far from where it stands, in lengths of the leg, goes through the air.
-GONE = 0.02
+# A foot that is so far from where it stands, in lengths of the leg, goes through the air: sooner,
+# and the lift jolts knees at toe-off; later, and feet of blends slide.
+GONE = 0.08
 
 
 def swing_lift_m(

@@ -855,12 +855,12 @@ MOTORCADE_API int motorcade_kalman_predict(const motorcade_kalman *filter, int64
 }
 
 /* Filtered states are kept so many at a time, so that memory does not grow with them. */
-#define MOTORCADE_INNER_STRETCH 256
+#define MOTORCADE_INNER_SEGMENT 256
 
 /* How many filters `motorcade_rts` needs as memory to work in, for so many poses. */
 MOTORCADE_API size_t motorcade_rts_work(size_t count) {
-    const size_t stretch = MOTORCADE_INNER_STRETCH;
-    return (count + stretch - 1) / stretch + (count < stretch ? count : stretch);
+    const size_t segment = MOTORCADE_INNER_SEGMENT;
+    return (count + segment - 1) / segment + (count < segment ? count : segment);
 }
 
 /*
@@ -923,8 +923,8 @@ static inline void motorcade_inner_back(const motorcade_kalman *filtered, double
 MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *motors,
                                 const int64_t *time_ns, size_t count, const double *noise,
                                 double *smoothed, double *log_likelihood, motorcade_kalman *work) {
-    const size_t stretch = MOTORCADE_INNER_STRETCH;
-    motorcade_kalman *marks = work, *states = work + (count + stretch - 1) / stretch;
+    const size_t segment = MOTORCADE_INNER_SEGMENT;
+    motorcade_kalman *marks = work, *states = work + (count + segment - 1) / segment;
     motorcade_kalman now, later;
     double measured[8];
     int status = motorcade_kalman_start(&now, model);
@@ -944,17 +944,17 @@ MOTORCADE_API int motorcade_rts(const motorcade_model *model, const double *moto
             motorcade_inner_normalize(motors + 8, measured);
             motorcade_inner_open(&marks[0], measured,
                                  motorcade_inner_gap(&marks[0].model, time_ns[0], time_ns[1]));
-        } else if (k % stretch == 0) {
-            marks[k / stretch] = now;
+        } else if (k % segment == 0) {
+            marks[k / segment] = now;
         }
     }
     if (status != MOTORCADE_OK || count == 0) return status;
     if (log_likelihood != NULL) *log_likelihood = now.log_likelihood;
     later = now;
     for (size_t c = 0; c < 8; ++c) smoothed[8 * (count - 1) + c] = later.pose[c];
-    for (size_t mark = (count + stretch - 1) / stretch; mark-- > 0;) {
-        const size_t first = mark * stretch;
-        const size_t last = first + stretch < count - 1 ? first + stretch : count - 1;
+    for (size_t mark = (count + segment - 1) / segment; mark-- > 0;) {
+        const size_t first = mark * segment;
+        const size_t last = first + segment < count - 1 ? first + segment : count - 1;
         for (size_t k = first; k < last; ++k) {
             if (k == first) {
                 now = marks[mark];

@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.ga.unfinished import unfinished
 from motorcade.replays.cli.arguments import (
     Commands,
     add_executor,
@@ -27,6 +26,9 @@ if TYPE_CHECKING:
 
 
 STDIN = "/dev/stdin"
+MOST_PIPED = 64 << 30
+_BEGINS = {".mp4": (4, b"ftyp"), ".mkv": (0, b"\x1aE\xdf\xa3"), ".avi": (0, b"RIFF")}
+"""By the suffix of a video's file, where in it which bytes stand."""
 UNSMOOTHED = ("measured", "fused")
 """Paths in the table of errors that come before the smoothed ones."""
 
@@ -196,18 +198,15 @@ def _run_one_of_several(job: Job, *, quiet: bool) -> dict[str, Any]:
     return summary
 
 
-MOST_PIPED = 64 << 30
-_BEGINS = {".mp4": (4, b"ftyp"), ".mkv": (0, b"\x1aE\xdf\xa3"), ".avi": (0, b"RIFF")}
-"""By the suffix of a video's file, where in it which bytes stand."""
-
-
 def _kept(recording: Path, out: Path) -> Path:
-    """A recording that comes through a pipe, `/dev/stdin`, as a file beside its results.
+    """A recording that comes through `/dev/stdin` as a file beside its results.
 
     Raises ValueError: what comes is no video that is known by its first bytes, or has no end.
     """
-    if not (recording.is_fifo() or recording.is_char_device() or str(recording) == STDIN):
+    if str(recording) != STDIN:
         return recording
+    from motorcade.ga.unfinished import unfinished
+
     with recording.open("rb") as source:
         head = source.read(16)
         known = (end for end, (at, what) in _BEGINS.items() if head[at:].startswith(what))

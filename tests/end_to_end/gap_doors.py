@@ -235,9 +235,6 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "fuse_by_graph": lambda case: fuse_by_graph(
         case.measured, case.imu, ADIS16448, Motor.identity()
     ),
-    "fuse_by_graph with lag": lambda case: fuse_by_graph(
-        case.measured, case.imu, ADIS16448, Motor.identity(), lag_s=1.0
-    ),
     "calibrate_by_graph": lambda case: calibrate_by_graph(
         case.measured, case.imu, ADIS16448, Motor.identity()
     ),

@@ -217,5 +217,3 @@ def test_settings_of_ages_are_refused():
     measured, imu = drawn(3.0)
     with pytest.raises(ValueError, match="time_offset_s: expected seconds up to"):
         fuse(measured, imu, ADIS16448, Motor.identity(), time_offset_s=1e300)
-    with pytest.raises(ValueError, match="lag_s: expected seconds up to"):
-        fuse_by_graph(measured, imu, ADIS16448, Motor.identity(), lag_s=1e300)

@@ -71,9 +71,9 @@ def test_clean_recordings_are_not_doubted(base: str, drawn: Path) -> None:
 @pytest.mark.parametrize(
     ("case", "manifest", "mend"),
     [
-        ("grid_ids_upwards/images", "kalibr_order.toml", 'say order = "up"'),
-        ("grid_rows_columns/images", "swapped.toml", "say columns = 4, rows = 3"),
-        ("intrinsics_of_full_size/images", "m.toml", "divide fx, fy, cx and cy by 2"),
+        ("grid_ids_upwards/pictures", "kalibr_order.toml", 'say order = "up"'),
+        ("grid_rows_columns/pictures", "swapped.toml", "say columns = 4, rows = 3"),
+        ("intrinsics_of_full_size/pictures", "m.toml", "divide fx, fy, cx and cy by 2"),
         ("two_cameras_one_folder/two_cameras", "m.toml", None),
     ],
 )
@@ -95,7 +95,7 @@ def test_cases_that_users_met_are_named(
 
 @pytest.mark.slow
 def test_kalibr_s_aprilgrid_is_read_whole(data_dir: Path) -> None:
-    paths = sorted((data_dir / "cases" / "kalibr_aprilgrid" / "images").glob("*.jpg"))
+    paths = sorted((data_dir / "cases" / "kalibr_aprilgrid" / "pictures").glob("*.jpg"))
     target = find_target([cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) for path in paths])
     assert target is not None
     assert target.family == "tag36h11_border2"

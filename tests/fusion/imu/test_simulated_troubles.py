@@ -18,7 +18,7 @@ from motorcade.fusion.imu import (
     SimulatedImu,
     VibrationSpectrum,
     allan_deviation,
-    sensor,
+    simulate,
     simulate_imu,
     simulate_imu_in_chunks,
 )
@@ -88,7 +88,7 @@ def test_terms_remember_across_blocks(monkeypatch, block):
     """The same sensor made in smaller blocks, but for the vibration, whose block is its own."""
     path = ContinuousPath.along(MOTIONS["handheld"], 5.0)
     whole = simulate_imu(path, 500.0, ADIS16448, np.random.default_rng(3), faults=TROUBLED)
-    monkeypatch.setattr(sensor, "BLOCK", block)
+    monkeypatch.setattr(simulate, "BLOCK", block)
     parts = simulate_imu(path, 500.0, ADIS16448, np.random.default_rng(3), faults=TROUBLED)
     assert np.array_equal(whole.stream.time_ns, parts.stream.time_ns)
     np.testing.assert_allclose(
@@ -99,7 +99,7 @@ def test_terms_remember_across_blocks(monkeypatch, block):
 
 def test_vibration_goes_on_from_block_to_block(monkeypatch):
     whole = resting(ImuFaults(), 20.0, 200.0, vibration=ROTORS).stream
-    monkeypatch.setattr(sensor, "BLOCK", 512)
+    monkeypatch.setattr(simulate, "BLOCK", 512)
     parts = resting(ImuFaults(), 20.0, 200.0, vibration=ROTORS).stream
     hz, power = welch(parts.specific_force_m_s2, 200.0, nperseg=64, axis=0)
     _, expected = welch(whole.specific_force_m_s2, 200.0, nperseg=64, axis=0)

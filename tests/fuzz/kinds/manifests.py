@@ -65,6 +65,8 @@ RIGHT: dict[str, list[Any]] = {
     "depth": ["depth/*.png"],
     "depth_units_per_m": [1000, 5000.0],
     "masks": ["images", "depth", "."],
+    "zoom_s": [[0.0, 0.1], [0.0, 1e6], [0.0], []],
+    "zoom": [[1.0, 2.0], [1e-9, 1e9], [1.0], [2.0, 1.0]],
     "model": ["pinhole", "radtan", "equidistant"],
     "width": [layouts.WIDTH],
     "height": [layouts.HEIGHT],

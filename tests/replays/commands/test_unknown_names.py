@@ -86,12 +86,15 @@ def test_addresses_are_told_as_they_were_typed(
     assert "http:/e" not in message
 
 
-def test_a_video_through_a_pipe_becomes_a_file_beside_its_results(tmp_path: Path) -> None:
+def test_a_video_through_a_pipe_becomes_a_file_beside_its_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pipe, out = tmp_path / "pipe", tmp_path / "out"
+    monkeypatch.setattr("motorcade.replays.cli.runs.STDIN", str(pipe))
     for head, suffix in ((b"\0\0\0 ftypisom", ".mp4"), (b"RIFF\0\0\0\0AVI ", ".avi")):
         os.mkfifo(pipe)
         data = head + bytes(range(256)) * 9000
-        writer = threading.Thread(target=pipe.write_bytes, args=(data,))
+        writer = threading.Thread(target=pipe.write_bytes, args=(data,), daemon=True)
         writer.start()
         file = _kept(pipe, out)
         writer.join()
@@ -101,7 +104,10 @@ def test_a_video_through_a_pipe_becomes_a_file_beside_its_results(tmp_path: Path
     assert _kept(out, tmp_path) == out
 
 
-def test_what_comes_through_a_pipe_and_is_no_video_is_told(tmp_path: Path) -> None:
+def test_what_comes_through_a_pipe_and_is_no_video_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("motorcade.replays.cli.runs.STDIN", str(tmp_path / "pipe"))
     os.mkfifo(tmp_path / "pipe")
     writer = threading.Thread(target=(tmp_path / "pipe").write_bytes, args=(b"time,x,y\n",))
     writer.start()

@@ -315,7 +315,7 @@ def test_depth_is_seen_as_the_poses_were_found_with_it(
     hiding: list[np.ndarray] = []
     monkeypatch.setattr(
         "motorcade.replays.stages.view.overlay.render_performers",
-        lambda images, *_, **__: hiding.extend(depth_m for _, _, depth_m in images),
+        lambda images, *_, **__: hiding.extend(depth_m for _, _, depth_m, *_ in images),
     )
     monkeypatch.setattr("motorcade.replays.stages.view.overlay.write_video", lambda *_: None)
     overlay(told_wrong, given, SmoothedPaths({"motor": path.drawn}, None, {}), path, found)

@@ -311,8 +311,8 @@ def _corners(mapped: MappedScene) -> AuditFinding:
     usual = float(np.median(errors))
     off = int(np.count_nonzero(errors > limits))
     summary = (
-        f"corners of {off} of {len(errors)} observations lie over {limits.max():.2g} px off, of "
-        f"all {usual:.2g} px in the median"
+        f"corners of {off} of {len(errors)} observations lie more than {limits.max():.2g} px "
+        f"off, of all {usual:.2g} px in the median"
     )
     verdict: Verdict = "doubtful" if off > _CONTAMINATION * len(errors) else "consistent"
     advice = "check the camera's focal length and distortion, and whether some marker moved"
