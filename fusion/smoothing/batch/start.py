@@ -148,9 +148,11 @@ class PathStart:
         """
         start, count = replace(self, jumps=measured.jumps), len(self.weights)
         sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
-        runs = pairwise([0, *measured.jumps.tolist(), count])
-        for first, last in sorted(runs, key=lambda run: run[1] - run[0]):
-            other = start._mirrored(slice(first, last), sizes)
+        runs = [slice(*ends) for ends in pairwise([0, *measured.jumps.tolist(), count])]
+        # Either side of a leap may be mirrored for the path to go on; wrong poses are the fewer.
+        wrong = [np.count_nonzero(start._mirrored(run, sizes).mirrored) for run in runs]
+        for place in np.argsort(wrong, kind="stable"):
+            other = start._mirrored(runs[place], sizes)
             if other is not start and 2 * np.count_nonzero(other.mirrored) < count:
                 own, near = other.written(measured.representation)
                 own = replace(own, time_s=measured.time_s)

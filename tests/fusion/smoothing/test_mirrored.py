@@ -129,3 +129,31 @@ def test_automatic_smoothing_reads_runs_at_any_rate_and_of_any_length(
     # A run at an end shares one marker's error, which the path on one side tells.
     most = 2.0 if rows.start > 0 and rows.stop < 240 else 6.0
     assert np.all(errors(found, truth) < most * errors(clean, truth))
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "rows", "leads_there"),
+    [
+        (8.0, slice(190, 222), True),
+        (4.0, slice(100, 126), True),
+        (4.0, slice(100, 126), False),
+        (8.0, slice(60, 100), False),
+    ],
+)
+@pytest.mark.parametrize("seed", [90, 91, 92])
+def test_a_run_without_a_leap_at_one_end_is_read_up_to_where_the_candidates_meet(
+    rate_hz: float, rows: slice, leads_there: bool, seed: int
+) -> None:
+    """A marker that is seen face on has one pose: a run that leads there, or away, leaps once."""
+    rng = np.random.default_rng(seed)
+    truth = handheld(rng, 1.0, 0.5, (0.01, 0.2)).sampled(rate_hz, 239 / rate_hz)
+    noisy = NOISE.apply(truth, rng)
+    meets = truth.poses[rows.stop if leads_there else rows.start]
+    centre = meets.apply([0.1, 0.0, 1.0])
+    normal = meets.translation_m - centre
+    coefficients = np.array(noisy.poses.coefficients)
+    wrong = wrong_planar_pose(noisy.poses[rows], centre, normal / np.linalg.norm(normal))
+    coefficients[rows] = wrong.coefficients
+    flipped = Trajectory(noisy.time_ns, Motor(coefficients))
+    found = smoothed_automatically(flipped).trajectory
+    assert np.all(errors(found, truth) < 0.3 * errors(flipped, truth))
