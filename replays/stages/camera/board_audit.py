@@ -23,7 +23,7 @@ from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, wei
 from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
-_VIEWS, _CALIBRATED, _OUTLIERS = 60, 20, 0.1
+_VIEWS, _CALIBRATED, _OUTLIERS = 90, 20, 0.1
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
 _FOCAL_SHARE = 0.02
 """A focal length wrong by so much puts a corner of the image several pixels off."""
@@ -136,9 +136,7 @@ def _camera(
         )
         held = fit(seen, start, readout=True, lens=False)
         free = weighed_fit(seen, start, readout=True)
-        bent = free
-        if held.rms_px > _WORSE_PX:  # else no terms fit so much better
-            bent = weighed_fit(seen, as_kind(free.fit.state, _TERMS), readout=True)
+        bent = weighed_fit(seen, as_kind(free.fit.state, _TERMS), readout=True)
     except SelfCalibrationError as why:
         summary = f"the board's views do not tell the camera ({why})"
         return AuditFinding(name, "unknown", None, "share", summary), None
