@@ -101,9 +101,10 @@ def _converted(values: Sequence[str], kind: str) -> list[str]:
     names = ", ".join(values)
     if not values:
         return []
-    if kind:
-        return [f"({names},) = {kind}.(({names},))"]
-    return [f"({names},) = promote(float.(({names},))...)"]
+    numbers = f"{kind}.(({names},))" if kind else f"promote(float.(({names},))...)"
+    line = f"({names},) = {numbers}"
+    # Julia ends a statement before a line that begins with "=", so a long one has no space there.
+    return [line if len(line) < text.WIDTH - 4 else f"({names},)={numbers}"]
 
 
 def _listed(row: Sequence[str]) -> str:

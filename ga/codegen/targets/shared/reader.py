@@ -84,6 +84,8 @@ def _neighbours(before: str, kind: str, word: str, now: str, types: AbstractSet[
         return before in types or word in types
     if operand and ended:
         return word in types
+    if before == "<" and word == ">":
+        return True  # of a template without arguments
     if now == "between" and word not in _SIGNS:
         return kind != "between" and not (kind == "end" or before in ("(", "["))
     if kind == "between" and (now == "end" or word in (")", "]", "}")):
