@@ -207,6 +207,13 @@ def test_the_demo_never_touches_a_folder_that_it_did_not_make(
     assert own.read_text() == "mine"
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("opengl")
+def test_the_demo_contradicts_nothing_that_it_states(tmp_path: Path) -> None:
+    out = str(tmp_path / "demo")
+    assert main(["demo", "-q", "--strict", "--until", "integrity", "--out", out]) == 0
+
+
 def test_recordings_of_one_name_are_refused_before_anything_runs(
     board_recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
