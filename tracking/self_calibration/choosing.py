@@ -9,6 +9,7 @@ image's corners. How sure the focal length is follows from errors that corners h
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -25,7 +26,13 @@ from motorcade.tracking.self_calibration.result import (
     SelfCalibrationError,
     ShutterReadout,
 )
-from motorcade.tracking.self_calibration.zooming import FollowedZoom, follow_zoom, may_zoom
+from motorcade.tracking.self_calibration.zooming import (
+    FollowedZoom,
+    focal_range,
+    follow_zoom,
+    may_zoom,
+    zoom_doubt,
+)
 
 _DOUBTFUL_FOCAL = 0.01
 _SURE_FOCAL = 0.001
@@ -180,13 +187,15 @@ def calibration_of(
     Raises:
         SelfCalibrationError: views from which no camera's focal length follows.
     """
-    zoomed = _followed(chosen, seen)
-    if zoomed is None:
-        (chosen, breathing), zoom, unsure = _with_breathing(chosen, seen), None, 0.0
-    else:
-        (chosen, curve), breathing = zoomed, 0.0
+    zoom, apart, breathing, unsure = None, None, 0.0, 0.0
+    if (followed := _followed(chosen, seen)) is not None:
+        chosen, curve = followed
         seen, unsure = curve.seen, curve.sigma
         zoom = replace(curve.zoom, time_s=curve.zoom.time_s + 1e-9 * start_ns)
+    elif apart := focal_range(len(seen.time_s), partial(_focal_of, chosen.fit.state, seen)):
+        unsure = 0.5 * float(np.log(apart[1] / apart[0]))
+    else:
+        chosen, breathing = _with_breathing(chosen, seen)
     fitted = chosen.fit
     focal = float(fitted.state.numbers[0])
     formal = float(np.sqrt(chosen.covariance[0, 0])) / focal
@@ -196,7 +205,7 @@ def calibration_of(
             f"{basis}: expected a focal length of {LEAST_FOCAL:g} to {MOST_FOCAL:g} long sides of "
             f"the image, got {focal / max(seen.size):.2g}: no camera sees it like that"
         )
-    doubts = _doubts(fitted, sigma, breathing, basis)
+    doubts = (zoom_doubt(*apart),) if apart else _doubts(fitted, sigma, breathing, basis)
     if zoom is not None:
         longest = focal * float(zoom.ratio.max())
         said = f"the lens zooms from {focal:.0f} to {longest:.0f} px and is followed to {sigma:.1%}"
@@ -232,10 +241,22 @@ def _followed(chosen: ChosenFit, seen: BodyObservations) -> tuple[ChosenFit, Fol
         last = weighed_fit(followed.seen, followed.state, readout=True)
     except SelfCalibrationError:
         return None
-    one_noise, noise = (fit.sigma_px / fit.state.numbers[0] for fit in (chosen.fit, last.fit))
-    if noise > _ZOOM_LEAVES * one_noise:
+    # What is left as it is: its robust measure has a floor, and passes over what one lens lacks.
+    by_one, left = (each.rms_px / each.state.numbers[0] for each in (chosen.fit, last.fit))
+    if left > _ZOOM_LEAVES * by_one:
         return None
     return replace(again, fit=last.fit, alike=last.alike), followed
+
+
+def _focal_of(
+    state: BodyState, seen: BodyObservations, views: IntArray
+) -> tuple[float, float] | None:
+    """What some views alone tell of the focal length, and its deviation, for a lens like all."""
+    try:
+        alone = fit(seen.only(views), _of_views(state, views), bodies=False)
+    except SelfCalibrationError:
+        return None
+    return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
 def largest_tilt_deg(state: BodyState) -> float:
