@@ -26,7 +26,7 @@ from motorcade.render.light import (
 )
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
-from motorcade.render.shots import FilmStage, StampedFrame
+from motorcade.render.shots import AnyFrame, FilmStage
 from motorcade.render.visibility import FigureSeen
 from motorcade.tracking.cameras.camera import Camera
 
@@ -34,7 +34,7 @@ log = logging.getLogger("motorcade.overlay")
 
 
 def render_overlay(
-    frames: Iterable[StampedFrame],
+    frames: Iterable[AnyFrame],
     camera: Camera,
     world_T_camera: Trajectory,
     character: Character,
@@ -51,7 +51,7 @@ def render_overlay(
 
 
 def render_performers(
-    frames: Iterable[StampedFrame],
+    frames: Iterable[AnyFrame],
     camera: Camera,
     world_T_camera: Trajectory,
     performers: Sequence[Performer],

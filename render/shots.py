@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -55,11 +56,26 @@ from motorcade.tracking.masks import fill_masked, standing_depth
 # shadow; what is lower than this is the ground, as a sensor has it, and hides no foot.
 LOW, SOLE = 0.1, 0.05
 
-MaskedFrame = tuple[int, ImageArray, DepthArray | None, ImageArray | None]
-ZoomedFrame = tuple[int, ImageArray, DepthArray | None, ImageArray | None, float]
-StampedFrame = (
-    tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None] | MaskedFrame | ZoomedFrame
-)
+
+class StampedFrame(NamedTuple):
+    """A frame to draw into; a plain tuple of the first ones serves as well.
+
+    Fields:
+        time_ns: its stamp.
+        image: grey or RGB, as the lens took it.
+        depth_m: ``(h, w)`` along the axis, 0 where it is unknown.
+        mask: ``(h, w)`` uint8, 255 where somebody is before the scene.
+        zoom: its focal length over the camera's.
+    """
+
+    time_ns: int
+    image: ImageArray
+    depth_m: DepthArray | None = None
+    mask: ImageArray | None = None
+    zoom: float = 1.0
+
+
+AnyFrame = StampedFrame | tuple[int, ImageArray] | tuple[int, ImageArray, DepthArray | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +171,7 @@ class FilmStage:
     def shots(
         self,
         renderer: Renderer,
-        frames: Iterable[StampedFrame],
+        frames: Iterable[AnyFrame],
         world_T_camera: Trajectory,
         meter: ExposureMeter | None,
     ) -> Iterator[Shot]:
@@ -165,12 +181,9 @@ class FilmStage:
         """
         span_ns = int(world_T_camera.time_ns[0]), int(world_T_camera.time_ns[-1])
         unzoomed, matching = self.lens, self._matching
-        for time_ns, image, *rest in frames:
-            match rest:
-                case [_, _, float(zoom)]:
-                    self.lens = unzoomed.zoomed(zoom)
-                case _:
-                    self.lens = unzoomed
+        for frame in frames:
+            time_ns, image, depth_m, mask, zoom = StampedFrame(*frame)
+            self.lens = unzoomed if zoom == 1.0 else unzoomed.zoomed(zoom)
             camera = self.lens.camera
             self.start_ns = time_ns if self.start_ns is None else self.start_ns
             if image.shape[:2] != (camera.height, camera.width):
@@ -181,7 +194,6 @@ class FilmStage:
             if not span_ns[0] <= time_ns <= span_ns[1]:
                 yield Shot(image, self.lens)
                 continue
-            depth_m, mask = (*rest, None, None)[:2]
             moments = [
                 self._posed(int(stamp_ns), world_T_camera.motors_at(stamp_ns))
                 for stamp_ns in np.clip(matching.moments_ns(time_ns), *span_ns)

@@ -231,21 +231,21 @@ class PoseFilter:
         checked_positive(sigma_px, "sigma_px")
         self._add("corners", time_ns, _corner_rows(pixels, points, camera, sigma_px).ravel())
 
-    def measure(self, given: Measurements) -> None:
+    def measure(self, measurements: Measurements) -> None:
         """Take measurements of another kind (`motorcade.fusion.measurements`), one or several.
 
         Raises:
             ValueError: a kind that relates two moments where `relative` was not set, or whose
                 steps overlap.
         """
-        checked_measurements(given)
-        if given.since_ns is not None:
-            self._keep_earlier(given)
-        if given.name not in self._names:
-            self._names.append(given.name)
-        number, predict = self._names.index(given.name), prediction(given)
+        checked_measurements(measurements)
+        if measurements.since_ns is not None:
+            self._keep_earlier(measurements)
+        if measurements.name not in self._names:
+            self._names.append(measurements.name)
+        number, predict = self._names.index(measurements.name), prediction(measurements)
         for row, (time_ns, spread) in enumerate(
-            zip(given.time_ns.tolist(), given.covariance, strict=True)
+            zip(measurements.time_ns.tolist(), measurements.covariance, strict=True)
         ):
             data = np.ascontiguousarray(spread, dtype=np.float64).ravel()
             self._engine.add(SOURCED, time_ns, row, data, predict, number)

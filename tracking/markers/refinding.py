@@ -29,7 +29,7 @@ _LEAST_CELL_PX = 1.0
 
 
 def refind_markers(
-    image: GrayImage, family: str, camera: Camera, known: MarkerMap, found: tuple[Detection, ...]
+    image: GrayImage, family: str, camera: Camera, known: MarkerMap, seen: tuple[Detection, ...]
 ) -> tuple[Detection, ...]:
     """What was found in an image, and markers of a map that were missed.
 
@@ -38,7 +38,7 @@ def refind_markers(
         family: of the map's markers.
         camera: what the image was taken with.
         known: where markers stand.
-        found: by `detect_markers`; at least two that the map knows, or nothing is added.
+        seen: by `detect_markers`; at least two that the map knows, or nothing is added.
 
     Returns:
         detections by rising id, then from left to right. Where the found markers do not agree with
@@ -48,14 +48,14 @@ def refind_markers(
         ValueError: not a grey uint8 image, or an unknown family.
     """
     gray = checked_gray(image)
-    pose = _pose(camera, known, found)
+    pose = _pose(camera, known, seen)
     if pose is None:
-        return found
+        return seen
     rows, quads = _expected(camera, known, pose.world_T_camera, layout(family).side_cells)
-    missed = ~np.isin(known.marker_ids[rows], [one.marker_id for one in found])
+    missed = ~np.isin(known.marker_ids[rows], [one.marker_id for one in seen])
     rows, quads = rows[missed], quads[missed]
     if len(rows) == 0:
-        return found
+        return seen
     ids = known.marker_ids[rows]
     corners, sharp = refine_quads(
         gray, quads, border_share(family), camera, layout(family).white_inside
@@ -74,7 +74,7 @@ def refind_markers(
     ]
     return tuple(
         sorted(
-            [*found, *added],
+            [*seen, *added],
             key=lambda detection: (detection.marker_id, *detection.corners_px.mean(axis=0)),
         )
     )

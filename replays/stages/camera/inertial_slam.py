@@ -31,9 +31,9 @@ _FEWEST_SAMPLES = 2  # beyond a frame's stamp, so that readings at the stamp lie
 class MappedWithImu:
     """A finished run, its map in metres with z up, and what the IMU told."""
 
-    found: SlamResult
+    slam: SlamResult
     measurements: PoseMeasurements
-    told: InertialHistory
+    history: InertialHistory
 
 
 def carries_imu(recording: Recording) -> bool:

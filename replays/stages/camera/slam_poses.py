@@ -176,8 +176,8 @@ def _by_inertia(
     recording: Recording, result: SlamResult, metres: Metres, start: float
 ) -> SlamPoses:
     """The path in metres, z up."""
-    unit, sigma = metres.made.metres_a_unit, metres.scale_sigma
-    measurements = metres.made.measurements
+    unit, sigma = metres.scaled_map.metres_a_unit, metres.scale_sigma
+    measurements = metres.scaled_map.measurements
     scale = (
         f"by one camera, metres and up found by the IMU (the map's unit is {unit:.4g} m "
         f"± {100 * sigma:.2g} %)"
@@ -188,7 +188,7 @@ def _by_inertia(
         np.full(len(measurements), np.nan),
         "slam",
         _summary(recording, result, scale),
-        points=metres.made.keyframes.landmarks_m,
+        points=metres.scaled_map.keyframes.landmarks_m,
         metres_a_unit=unit,
         scale_sigma=sigma,
         sighted=_sighted(recording, result.map, measurements.trajectory, unit),
@@ -200,7 +200,7 @@ def _by_inertia(
 
 def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) -> SlamPoses:
     """The path in metres, z up, that SLAM with an IMU inside gave."""
-    result, history, measurements = mapped.found, mapped.told, mapped.measurements
+    result, history, measurements = mapped.slam, mapped.history, mapped.measurements
     after = f"{history.metric_from_s:.1f} s after the first frame"
     scale, unit, sigma = f"by a stereo pair with the IMU inside, upright {after}", None, None
     if recording.baseline_m is None:
@@ -274,7 +274,7 @@ class NoMetres(ValueError):
 class Metres:
     """The map in metres with z up, and the relative deviation of its scale."""
 
-    made: MetricMap
+    scaled_map: MetricMap
     scale_sigma: float
 
 

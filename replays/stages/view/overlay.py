@@ -36,7 +36,7 @@ from motorcade.render.light import (
 )
 from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import ImageArray, Lighting
-from motorcade.render.shots import ZoomedFrame
+from motorcade.render.shots import StampedFrame
 from motorcade.render.video import read_original
 from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
@@ -232,13 +232,13 @@ class _Footage:
         self._turn = taken, shown
         return shown
 
-    def frames(self, frames: Iterable[Frame]) -> Iterator[ZoomedFrame]:
+    def frames(self, frames: Iterable[Frame]) -> Iterator[StampedFrame]:
         """Stamp, image, depth and mask of frames, and their focal length over the camera's."""
         for prepared in ahead(self._prepared, frames):
             self._given.append(prepared[1])
             yield prepared
 
-    def _prepared(self, frame: Frame) -> ZoomedFrame:
+    def _prepared(self, frame: Frame) -> StampedFrame:
         zoom = frame.zoom if self._distorted else 1.0
         frame = (frame.taken or frame) if self._distorted else frame
         image, depth_m, mask = frame.image(), frame.depth_m(), frame.mask()
@@ -255,7 +255,7 @@ class _Footage:
                 image = warped(image, turn)
                 depth_m = None if depth_m is None else warped(depth_m, turn)
                 mask = None if mask is None else warped(mask, turn)
-        return frame.time_ns, image, depth_m, mask, zoom
+        return StampedFrame(frame.time_ns, image, depth_m, mask, zoom)
 
     def counted(self, images: Iterable[ImageArray]) -> Iterator[ImageArray]:
         """The drawn frames as they are."""

@@ -78,7 +78,7 @@ def _of_numpy(one: Prepared, function: Any) -> Values:
 
 
 def _of_casadi(one: Prepared, function: Any) -> Values:
-    found = function()(**one.case.given)
+    found = function().call(dict(one.case.given))  # by keyword no input may be called self
     return named(one.program, {name: np.array(x).ravel() for name, x in found.items()})
 
 

@@ -251,7 +251,7 @@ def _slots(seen: RigObservations, held: NDArray[np.bool_]) -> tuple[IntArray, In
     free[seen.marker] = True
     free &= ~held
     markers = np.where(free, np.cumsum(free) - 1, -1)
-    cameras = np.where(seen.given, -1, np.count_nonzero(free) + np.cumsum(~seen.given) - 1)
+    cameras = np.where(seen.stated, -1, np.count_nonzero(free) + np.cumsum(~seen.stated) - 1)
     return markers, cameras
 
 

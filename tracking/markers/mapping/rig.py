@@ -55,7 +55,7 @@ class RigObservations:
         time_ns: ``(F,)`` stamps, strictly increasing; a frame without markers counts.
         cameras: the cameras.
         rig_T_camera: Motor ``(C,)``.
-        given: ``(C,)`` bool, which of those were given; the others are estimated.
+        stated: ``(C,)`` bool, which of those were; the others are estimated.
         marker_ids: ``(M,)`` rising.
         side_m: ``(M,)``.
         frame: ``(N,)``, of the observations, never falling.
@@ -69,7 +69,7 @@ class RigObservations:
     time_ns: IntArray
     cameras: tuple[Camera, ...]
     rig_T_camera: Motor
-    given: NDArray[np.bool_]
+    stated: NDArray[np.bool_]
     marker_ids: IntArray
     side_m: FloatArray
     frame: IntArray
@@ -213,7 +213,7 @@ def _rig_poses(seen: RigObservations, names: list[str]) -> Motor:
     Raises:
         TrackingError: a camera that sees none.
     """
-    poses, known = list(seen.rig_T_camera), seen.given.copy()
+    poses, known = list(seen.rig_T_camera), seen.stated.copy()
     by_key: dict[tuple[int, int], list[int]] = {}
     for row, key in enumerate(zip(seen.frame.tolist(), seen.marker.tolist(), strict=True)):
         by_key.setdefault(key, []).append(row)
