@@ -1,8 +1,8 @@
 """`python -m tests.bench.smoothing.flips [--seeds FROM TO] [--rate HZ]`: what flips cost when slow.
 
-A slow robot's path with runs of a flat marker's other candidate is smoothed by `auto`, and the same path
-without them. A row a rate: how many drawn paths have such runs, and the error beside that of the
-path without them, rotation or position, whichever is worse: mean, median and worst.
+A slow robot's path with runs of a flat marker's other candidate is smoothed by `auto`, and the same
+path without them. A row a rate: how many drawn paths have such runs, and the error beside that of
+the path without them, rotation or position, whichever is worse: mean, median and worst.
 """
 
 from __future__ import annotations
