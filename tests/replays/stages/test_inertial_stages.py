@@ -305,9 +305,9 @@ def mapped(truth: Trajectory) -> SlamResult:
 def test_an_imu_tells_metres_where_it_was_carried_and_says_why_not(stream: ImuStream) -> None:
     one = replace(with_imu(stream), camera=CAMERA)
     found = in_metres(one, mapped(path()))
-    assert found.made.metres_a_unit == pytest.approx(0.5, rel=3 * found.scale_sigma)
+    assert found.scaled_map.metres_a_unit == pytest.approx(0.5, rel=3 * found.scale_sigma)
     assert found.scale_sigma < 0.05
-    judged = evaluate(found.made.measurements.trajectory, path(), align="se3")
+    judged = evaluate(found.scaled_map.measurements.trajectory, path(), align="se3")
     assert judged.ape_m.rmse < 0.03
     with pytest.raises(NoMetres, match="no IMU whose extrinsics are known"):
         in_metres(replace(one, imu=None), mapped(path()))
@@ -330,11 +330,11 @@ def test_metres_that_the_imu_contradicts_are_none(
     """A map that drifts may give a scale that is far off, and called sure."""
     one = replace(with_imu(stream), camera=CAMERA)
     found = in_metres(one, mapped(path()))
-    told = found.made.measurements
+    told = found.scaled_map.measurements
     places = 30.0 * told.trajectory.motors.translation_m
     grown = Motor.from_rotor_translation(told.trajectory.motors.rotor, places)
     wrong = PoseMeasurements(Trajectory(told.trajectory.time_ns, grown), told.covariance)
-    made = replace(found.made, measurements=wrong)
+    made = replace(found.scaled_map, measurements=wrong)
     monkeypatch.setattr(slam_poses, "metric_map", lambda *given: made)
     with pytest.raises(NoMetres, match=r"poses of the path .* contradict it"):
         in_metres(one, mapped(path()))
