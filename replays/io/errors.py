@@ -25,7 +25,7 @@ class RecordingError(ValueError):
 
 
 class DamagedError(RecordingError):
-    """A file is empty, truncated or corrupt: if it is an image, the others may still be used."""
+    """A file is empty, truncated, corrupt or of another size: other images may still be used."""
 
 
 def refusal(

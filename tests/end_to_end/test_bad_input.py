@@ -10,6 +10,7 @@ import pytest
 
 from motorcade.replays.cli import main
 from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.trajectories import read_trajectory
 from motorcade.tracking import Camera
@@ -81,17 +82,37 @@ def test_too_much_damage_is_refused(
     for index in range(1, 24, 2):
         (own / f"{index:03d}.png").write_bytes(b"no image")
     error = refused(capsys, "run", own, "--out", tmp_path / "out")
-    assert "12 of 24 frames are damaged, the first: " in error
+    assert "12 of 24 frames cannot be used, the first: " in error
     assert "001.png, frame 1: expected a PNG, JPEG" in error
 
 
 def test_images_of_another_size_are_named(
-    own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
+    """A logo in the folder is no frame; a camera that half of the images do not fit is refused."""
     image = cv2.imread(str(own / "012.png"), cv2.IMREAD_GRAYSCALE)
     cv2.imwrite(str(own / "012.png"), image[:200])
+    assert main(["run", str(own), "--out", str(tmp_path / "out"), "--until", "tracked"]) == 0
+    fault = "012.png, frame 12: expected 320 x 240 pixels as the camera has, got 320 x 200"
+    assert any(line.startswith("left out: ") and fault in line for line in caplog.messages)
+    for index in range(1, 24, 2):
+        cv2.imwrite(str(own / f"{index:03d}.png"), image[:200])
     error = refused(capsys, "run", own, "--out", tmp_path / "out")
-    assert "012.png, frame 12: expected 320 x 240 pixels as the camera has, got 320 x 200" in error
+    assert "13 of 24 frames cannot be used, the first: " in error
+    assert "expected 320 x 240 pixels as the camera has, got 320 x 200" in error
+
+
+def test_of_images_that_nothing_describes_the_commonest_size_is_taken(tmp_path: Path) -> None:
+    """An image of another size is left out wherever its name puts it, the first one too."""
+    shown = np.full((48, 64, 3), 90, np.uint8)
+    for name in ("a_logo.png", *(f"b{index}.png" for index in range(9))):
+        cv2.imwrite(str(tmp_path / name), shown[: 20 if name == "a_logo.png" else 48])
+    frames, faults = open_recording(tmp_path).frames.intact(None)
+    assert isinstance(frames, ImageFrames)
+    assert [path.name for path in frames.files] == [f"b{index}.png" for index in range(9)]
+    assert frames.first_size() == (64, 48)
+    assert len(faults) == 1
+    assert "expected 64 x 48 pixels as 9 of 10 images have" in faults[0]
 
 
 def test_depth_that_is_not_on_the_colour_pixels_is_refused(

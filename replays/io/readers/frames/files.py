@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -132,20 +133,21 @@ class ImageFrames:
             raise fault
 
     def intact(self, camera: Camera | None) -> tuple[ImageFrames, tuple[str, ...]]:
-        """Leave out what is truncated or corrupt: a frame, or a frame's depth alone.
+        """Leave out what is truncated, corrupt or of another size: a frame, or its depth alone.
 
-        Every file is read once, and what it holds is kept as a digest.
+        Every file is read once, and what it holds is kept as a digest. Where no camera states a
+        size, the commonest one holds: a logo or a preview in the folder is no frame.
 
         Raises:
-            RecordingError: an image that is missing or of another size, or damage in half of the
-                frames or more.
+            RecordingError: an image is missing, depth has another size, or half of the frames or
+                more cannot be used.
         """
         damage, digests = self._read_through(camera)
         if not damage:
             return replace(self, digests=digests), ()
         faults = tuple(str(fault) for fault in damage.values())
         if 2 * len(damage) >= len(self):
-            problem = f"{len(damage)} of {len(self)} frames are damaged, the first: {faults[0]}"
+            problem = f"{len(damage)} of {len(self)} frames cannot be used, the first: {faults[0]}"
             raise refusal(self.files[0].parent, problem)
         whole = [
             index
@@ -161,9 +163,10 @@ class ImageFrames:
             right_files=tuple(self.right_files[index] for index in whole)
             if self.right_files
             else (),
+            shown_size=None,
             digests=digests,
         )
-        return intact, faults
+        return replace(intact, shown_size=intact.first_size()), faults
 
     def _read_through(
         self, camera: Camera | None
@@ -171,6 +174,7 @@ class ImageFrames:
         """What is wrong with each damaged file, and digests of the others; raises other faults."""
         size = self.size if camera is None else (camera.width, camera.height)
         damage: dict[Path, DamagedError] = {}
+        sizes: dict[Path, tuple[int, int]] = {}
         digests: dict[Path, tuple[int, bytes]] = {}
         depth = set(self.depth_files)
         for path, name in self._all_files("reading images"):
@@ -185,8 +189,9 @@ class ImageFrames:
                 continue
             if path not in depth:
                 self._check_orientation(path, name, data)
+                sizes[path] = images.upright_size(data)
             digests[path] = _digest(data)
-        return damage, digests
+        return damage | _of_another_size(sizes), digests
 
     def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
         """One camera holds for all images, so all must be held alike."""
@@ -247,6 +252,21 @@ def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], ImageOrientation
     """
     data = images.read_image_bytes(files[0], "frame 0", None)
     return images.upright_size(data), image_orientation(data)
+
+
+def _of_another_size(sizes: Mapping[Path, tuple[int, int]]) -> dict[Path, DamagedError]:
+    """Images that are not of the commonest size."""
+    (usual, count), *others = Counter(sizes.values()).most_common() or [((0, 0), 0)]
+    if not others:
+        return {}
+    as_most = f"expected {usual[0]} x {usual[1]} pixels as {count} of {len(sizes)} images have"
+    advice = "keep other images out of the folder"
+    faults = {
+        path: refusal(path, f"{as_most}, got {size[0]} x {size[1]}", advice=advice)
+        for path, size in sizes.items()
+        if size != usual
+    }
+    return {path: DamagedError(str(fault)) for path, fault in faults.items()}
 
 
 def _told(orientation: ImageOrientation) -> str:

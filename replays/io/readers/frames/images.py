@@ -47,8 +47,8 @@ def read_image_bytes(
     field names, has at most `FRAME_PIXELS` pixels.
 
     Raises:
-        DamagedError: empty, truncated, corrupt, or no image at all.
-        RecordingError: missing, too large for a frame, or another size.
+        DamagedError: empty, truncated, corrupt, no image at all, or another size than the camera's.
+        RecordingError: missing, too large for a frame, or another size where `advice` stands.
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
@@ -59,12 +59,10 @@ def read_image_bytes(
         problem = f"expected frames of at most {FRAME_PIXELS} pixels, got {width} x {height}"
         raise refusal(path, problem, field=field, advice="make all images smaller alike")
     if size is not None and size != (width, height):
-        raise refusal(
-            path,
-            f"expected {size[0]} x {size[1]} pixels as the camera has, got {width} x {height}",
-            field=field,
-            advice=advice or f"{size_advice(size, (width, height))}, or leave the image out",
-        )
+        usual = f"{size_advice(size, (width, height))}, or leave the image out"
+        problem = f"expected {size[0]} x {size[1]} pixels as the camera has, got {width} x {height}"
+        fault = refusal(path, problem, field=field, advice=advice or usual)
+        raise fault if advice else DamagedError(str(fault))
     return data
 
 
