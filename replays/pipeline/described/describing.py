@@ -168,6 +168,7 @@ def summary(opened: OpenedRecording) -> dict[str, Any]:
 
 _ENOUGH_SHARE = 0.4
 """Of the images: a target seen in fewer is no good to track by."""
+_BY_SLAM = "visual SLAM, whose lengths have a unit only where an IMU tells it"
 _BY_TURNING = 0.1
 """Relative deviation of a focal length that turning alone tells."""
 
@@ -440,7 +441,7 @@ class _Describing:
     def target(self, target: FoundTarget | None, size_m: float | None, source: str) -> None:
         """The board or the markers, and their size."""
         if target is None:
-            how = "visual SLAM, whose lengths have a unit only where an IMU tells it"
+            how = _BY_SLAM
             if self._stays:
                 how = f"attitudes alone, without lengths, since {self.motion}"
             source, override = "neither board nor markers in the images", "tracked.by=slam"
@@ -452,16 +453,16 @@ class _Describing:
         length = 1.0 if size_m is None else size_m
         table = _target_toml(target, length)
         self._tables.append(table if size_m is not None else f"{table}metric = false\n")
-        if size_m is None:
-            said = f"unknown, so lengths are counted in {target.unit}s"
-            self._assume("size", said, "no ruler in the images", "described.size_m=0.03")
         if len(target.images) < _ENOUGH_SHARE * target.searched:
             self._settings.append("tracked.by=slam")
             seen = f"a target in only {len(target.images)} of {target.searched} images"
-            self._assume("tracking", "visual SLAM", seen, "tracked.by=auto")
-        else:
-            by = "tracked.by=slam"
-            self._assume("tracking", f"by the {_word(target)}", "the target in view", by)
+            self._assume("tracking", _BY_SLAM, seen, "tracked.by=auto")
+            return
+        if size_m is None:
+            said = f"unknown, so lengths are counted in {target.unit}s"
+            self._assume("size", said, "no ruler in the images", "described.size_m=0.03")
+        by = "tracked.by=slam"
+        self._assume("tracking", f"by the {_word(target)}", "the target in view", by)
 
     def telemetry(self, camera: Camera) -> None:
         """How the camera sits on the IMU of a GoPro's telemetry, if the images do not deny it."""
