@@ -76,7 +76,6 @@ def simd(known: Set[str], machine: str = platform.machine()) -> str:
 OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     "pipeline": {
         "opencv-contrib-python-headless": ("cv2", "images, markers, boards, visual SLAM"),
-        "pupil-apriltags": ("pupil_apriltags", "codes of AprilTag 3's families"),
         "pyproj": ("pyproj", "latitudes and longitudes as metres"),
         "gtsam": ("gtsam", "poses and an IMU fused by a graph"),
         "rosbags": ("rosbags", "recordings in ROS bags and MCAP, without ROS"),

@@ -3,14 +3,17 @@
 import ctypes
 import subprocess
 import sys
+from functools import cache
+from pathlib import Path
 
 import cv2
 import numpy as np
+import pupil_apriltags
 import pytest
 
 from motorcade.tracking import CharucoBoard, MarkerGrid, SingleMarker
 from motorcade.tracking.markers import detect_markers
-from motorcade.tracking.markers.apriltag_codes import NEWER_FAMILIES, _library
+from motorcade.tracking.markers.apriltag_codes import NEWER_FAMILIES, newer_codes
 from motorcade.tracking.markers.families import family_size, layout, marker_cells
 from motorcade.tracking.markers.native._quads import Words
 from tests.bench.tracking.tag_markers import apriltag_detector
@@ -23,6 +26,40 @@ class Image(ctypes.Structure):
         ("stride", ctypes.c_int),
         ("buf", ctypes.POINTER(ctypes.c_uint8)),
     ]
+
+
+class Family(ctypes.Structure):
+    """``apriltag_family_t`` of AprilTag 3."""
+
+    _fields_ = [
+        ("count", ctypes.c_uint32),
+        ("codes", ctypes.POINTER(ctypes.c_uint64)),
+        ("side_cells", ctypes.c_int),
+        ("cells", ctypes.c_int),
+        ("white_inside", ctypes.c_bool),
+        ("bits", ctypes.c_uint32),
+        ("bit_x", ctypes.POINTER(ctypes.c_int32)),
+        ("bit_y", ctypes.POINTER(ctypes.c_int32)),
+    ]
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    folder = Path(pupil_apriltags.__file__).parent
+    return ctypes.CDLL(str(sorted(folder.glob("lib*/libapriltag*.so"))[0]))
+
+
+@pytest.mark.parametrize("family", NEWER_FAMILIES)
+def test_every_code_is_the_librarys(family: str) -> None:
+    make = getattr(_library(), f"{family}_create")
+    make.restype = ctypes.POINTER(Family)
+    theirs, ours = make().contents, newer_codes(family)
+    np.testing.assert_array_equal(ours.words, np.array(theirs.codes[: theirs.count], np.uint64))
+    np.testing.assert_array_equal(ours.bit_x, theirs.bit_x[: theirs.bits])
+    np.testing.assert_array_equal(ours.bit_y, theirs.bit_y[: theirs.bits])
+    assert ours.side_cells == theirs.side_cells
+    assert ours.cells == theirs.cells
+    assert ours.white_inside == theirs.white_inside
 
 
 def official_print(family: str, marker: int) -> np.ndarray:
