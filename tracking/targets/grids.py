@@ -32,6 +32,8 @@ _BENT = 0.03
 """Of a square, RMS for each corner along the longer side: more than lenses bend a plane."""
 _LEAST_LEVELS = 4.0
 _LEAST_SHARE = 0.1
+_MIDDLE = np.linspace(0.2, 0.8, 7)
+"""Of a square, where its grey levels are compared."""
 _WINDOW_PX = (2, 11)
 _STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 20, 1e-2)
 _QUARTERS = 4
@@ -113,6 +115,22 @@ def grown_grid(gray: GrayImage, seed_px: FloatArray | None) -> SeenGrid | None:
     if not _plane(grid, seen):
         return None
     return SeenGrid(grid, seen, (ended[0], ended[1], ended[2], ended[3]))
+
+
+def printed_squares(gray: GrayImage, seen: SeenGrid) -> bool:
+    """Whether most white squares of a grid are not plainly white, as where markers stand in them.
+
+    A marker's border, or its cells, lie within the middle of its square, whatever its size.
+    """
+    grid = seen.corners_px
+    square = np.stack([grid[:-1, :-1], grid[:-1, 1:], grid[1:, :-1], grid[1:, 1:]], axis=2)
+    share = np.stack(np.meshgrid(_MIDDLE, _MIDDLE), axis=-1).reshape(-1, 1, 2)
+    weights = np.abs(np.array([[1, 1], [0, 1], [1, 0], [0, 0]]) - share).prod(axis=-1)
+    levels = grey_levels(cv2.blur(gray, (3, 3)), weights @ square)
+    even = np.indices(levels.shape[:2]).sum(axis=0) % 2 == 0
+    first, second = sorted((levels[even], levels[~even]), key=np.median)
+    step = float(np.median(second) - np.median(first))
+    return bool(np.median(np.ptp(second, axis=-1)) > _MOSTLY * step)
 
 
 def _plane(grid: FloatArray, seen: NDArray[np.bool_]) -> bool:

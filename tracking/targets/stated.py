@@ -92,7 +92,8 @@ def compare_layout(
 def _counted(board: Checkerboard, images: Sequence[GrayImage]) -> AuditFinding:
     """The finding on how many corners a checkerboard has; where it ends must be in view."""
     name, stated = "board_corners", (board.columns, board.rows)
-    counted, printed = checkerboard_seen(images), _charuco_seen(images)
+    counted = checkerboard_seen(images, stated)
+    printed = None if counted is not None and counted.plain else _charuco_seen(images)
     looks = None if counted is None else (counted.columns, counted.rows)
     if printed is not None:
         inner = {printed.columns - 1, printed.rows - 1}

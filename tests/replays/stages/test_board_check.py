@@ -11,10 +11,10 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.board_poses import warn_of_size
-from motorcade.tracking import BoardTrack, Camera, Checkerboard, PoseMeasurements
+from motorcade.tracking import BoardTrack, Camera, CharucoBoard, Checkerboard, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.targets import compare_layout
+from motorcade.tracking.targets import checkerboard_seen, compare_layout
 from tests.replays.stages.stamps import Stamps
 
 PRINTED = Checkerboard(9, 6, 0.03)
@@ -42,6 +42,22 @@ def test_a_board_of_the_right_count_is_not_doubted(stated: Checkerboard) -> None
     finding = compare_layout(stated, [image()] * 3)
     assert finding is not None
     assert finding.verdict == "consistent", finding.sentence
+
+
+@pytest.mark.parametrize("stated", [(9, 6), (6, 9), (8, 5), (10, 7)])
+def test_a_stated_size_that_is_tried_first_does_not_change_the_count(
+    stated: tuple[int, int],
+) -> None:
+    assert checkerboard_seen([image()] * 3, stated) == checkerboard_seen([image()] * 3)
+
+
+def test_markers_in_squares_are_seen_without_being_read() -> None:
+    print_ = CharucoBoard("aruco_5x5_50", 10, 7, 0.03, 0.018)
+    drawn = cv2.warpPerspective(print_.draw(1000.0)[0], WARP, (480, 360), borderValue=(120.0,))
+    for shown, plain in ((image(), True), (cv2.GaussianBlur(drawn, (0, 0), 0.8), False)):
+        counted = checkerboard_seen([shown] * 3)
+        assert counted is not None
+        assert counted.plain is plain
 
 
 def test_a_board_whose_end_is_never_in_view_is_not_counted() -> None:
