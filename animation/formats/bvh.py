@@ -22,8 +22,7 @@ from motorcade.animation.formats.limits import (
     numbers_in,
     read_bounded,
 )
-from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip
+from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, Transforms
 from motorcade.animation.vectors import turn_x, turn_y, turn_z
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray

@@ -25,8 +25,14 @@ from motorcade.animation.formats.limits import (
     read_bounded,
     shown,
 )
-from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree, Rig, RigClip, RigSurface, Skin
+from motorcade.animation.formats.rig.values import (
+    NodeTree,
+    Rig,
+    RigClip,
+    RigSurface,
+    Skin,
+    Transforms,
+)
 from motorcade.animation.skeleton import local_poses
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray

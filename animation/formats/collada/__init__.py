@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.animation.formats.collada.controllers import Controllers
+from motorcade.animation.formats.collada.controllers import ColladaMaterials, Controllers
 from motorcade.animation.formats.collada.library import Library, parse_xml
-from motorcade.animation.formats.collada.materials import ColladaMaterials
 from motorcade.animation.formats.collada.scene import read_clips, read_scene
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, expected, read_bounded
 from motorcade.animation.formats.rig.values import Rig

@@ -25,10 +25,10 @@ from motorcade.animation.formats.limits import (
     expected,
     numbers_in,
 )
-from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import (
     NodeTree,
     RigClip,
+    Transforms,
     between,
     great_arc,
     key_times,

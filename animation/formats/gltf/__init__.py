@@ -9,15 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.animation.formats.gltf.accessors import Accessors
-from motorcade.animation.formats.gltf.animations import read_animations
+from motorcade.animation.formats.gltf.animations import read_animations, read_nodes
 from motorcade.animation.formats.gltf.binary import GENERATOR
-from motorcade.animation.formats.gltf.container import open_gltf
-from motorcade.animation.formats.gltf.draco import unpack_draco
+from motorcade.animation.formats.gltf.compression import unpack_draco, unpack_meshopt
+from motorcade.animation.formats.gltf.document import Accessors, open_gltf
 from motorcade.animation.formats.gltf.materials import read_humanoid
 from motorcade.animation.formats.gltf.meshes import Meshes
-from motorcade.animation.formats.gltf.meshopt import unpack_meshopt
-from motorcade.animation.formats.gltf.nodes import read_nodes
 from motorcade.animation.formats.gltf.write import (
     CameraPath,
     CharacterOnPath,

@@ -1,4 +1,4 @@
-"""A program that decodes Draco meshes within bounds of memory and time; `draco.py` runs it.
+"""A program that decodes Draco meshes within bounds of memory and time; `compression.py` runs it.
 
 Some fifty bytes of Draco's may stand for gigabytes, and its decoder does not say so beforehand. A
 process of its own is ended by the system where it goes beyond the bounds, or by a fault.

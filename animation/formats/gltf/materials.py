@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import MOST_SETS, AlphaMode, Material, TextureMap, Wrap
-from motorcade.animation.formats.gltf.accessors import Accessors
-from motorcade.animation.formats.gltf.container import (
+from motorcade.animation.formats.gltf.document import (
     OF_MATERIALS,
     UNDERSTOOD,
+    Accessors,
     Document,
     boolean,
     floats,

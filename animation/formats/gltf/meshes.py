@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.appearance import Material
-from motorcade.animation.formats.gltf.accessors import Accessors
-from motorcade.animation.formats.gltf.container import (
+from motorcade.animation.formats.gltf.animations import Nodes, nodes_of_scene
+from motorcade.animation.formats.gltf.document import (
+    Accessors,
     Document,
     floats,
     integer,
@@ -17,7 +18,6 @@ from motorcade.animation.formats.gltf.container import (
     table,
 )
 from motorcade.animation.formats.gltf.materials import GltfMaterials
-from motorcade.animation.formats.gltf.nodes import Nodes, nodes_of_scene
 from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import (
     MAX_MORPHS,

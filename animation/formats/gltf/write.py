@@ -21,9 +21,9 @@ from motorcade.animation.formats.gltf.binary import (
     GENERATOR,
     VERTICES,
     BinaryBuffer,
+    LookWriter,
     write_glb,
 )
-from motorcade.animation.formats.gltf.looks import LookWriter
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
 from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory

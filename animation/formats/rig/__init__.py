@@ -11,13 +11,13 @@ from motorcade.animation.formats.rig.assemble import (
     assemble_motion,
 )
 from motorcade.animation.formats.rig.stance import Wanted
-from motorcade.animation.formats.rig.transforms import Transforms
 from motorcade.animation.formats.rig.values import (
     NodeTree,
     Rig,
     RigClip,
     RigSurface,
     Skin,
+    Transforms,
     transforms_over,
 )
 

@@ -10,12 +10,10 @@ from numpy.typing import NDArray
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats.limits import MAX_VALUES, NoMeshError, check_count, expected
-from motorcade.animation.formats.rig.binding import Binding
-from motorcade.animation.formats.rig.joints import JointPoses, Joints, joint_poses
+from motorcade.animation.formats.rig.joints import Binding, JointPoses, Joints, joint_poses
 from motorcade.animation.formats.rig.stance import Stance, Wanted, growing
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
-from motorcade.animation.formats.rig.transforms import scaled_matrices
-from motorcade.animation.formats.rig.values import Rig, RigClip
+from motorcade.animation.formats.rig.values import Rig, RigClip, scaled_matrices
 from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.animation.vectors import turn_z, unit

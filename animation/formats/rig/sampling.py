@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from motorcade.animation.formats.limits import MAX_POSES, FormatError
 from motorcade.animation.formats.rig.joints import JointPoses, Joints, World, joint_poses
-from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import JUMP_S, NodeTree, RigClip
+from motorcade.animation.formats.rig.values import JUMP_S, NodeTree, RigClip, Transforms
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.classical.quaternion import quaternion_slerp

@@ -13,8 +13,13 @@ from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Appearance, MaterialPart
 from motorcade.animation.formats.limits import FormatError, expected
-from motorcade.animation.formats.rig.binding import Binding
-from motorcade.animation.formats.rig.joints import Joints, World, nearest_joints, node_matrices
+from motorcade.animation.formats.rig.joints import (
+    Binding,
+    Joints,
+    World,
+    nearest_joints,
+    node_matrices,
+)
 from motorcade.animation.formats.rig.values import NodeTree, RigMorph, RigSurface
 from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.vectors import UP, unit

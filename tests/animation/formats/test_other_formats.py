@@ -13,8 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.animation.formats import FormatError, fbx, read_character, read_motion
 from motorcade.animation.formats.limits import beside
-from motorcade.animation.formats.rig.transforms import Transforms
-from motorcade.animation.formats.rig.values import NodeTree
+from motorcade.animation.formats.rig.values import NodeTree, Transforms
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Write
 

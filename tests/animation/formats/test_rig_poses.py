@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation.formats import FormatError, read_character, read_motion
-from motorcade.animation.formats.rig.axes import guessed_unit_m
+from motorcade.animation.formats.rig.stance import guessed_unit_m
 from motorcade.ga import Motor
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write

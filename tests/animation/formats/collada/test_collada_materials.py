@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.animation import Character, read_character
 from motorcade.animation.appearance import Material, to_linear
-from motorcade.animation.formats.collada.materials import roughness_of
+from motorcade.animation.formats.collada.controllers import roughness_of
 from motorcade.animation.formats.limits import image_beside
 from tests.animation.formats.dressed import encoded
 from tests.animation.formats.samples import (

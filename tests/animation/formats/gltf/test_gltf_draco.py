@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.animation import Character, read_character
 from motorcade.animation.formats import FormatError
-from motorcade.animation.formats.gltf import draco
+from motorcade.animation.formats.gltf import compression
 from tests.animation.formats import samples
 from tests.animation.formats.packed import DRACO, draco_tower
 from tests.animation.formats.samples import Gltf, Write
@@ -147,11 +147,11 @@ def test_meshes_that_unpack_to_too_much_are_refused(
     made = draco_tower()
     view = made.view(np.frombuffer(data, np.uint8))
     glb = changed(made, (*PART, "extensions", DRACO, "bufferView"), view)
-    monkeypatch.setattr(draco, "MAX_VALUES", 1_000_000)
+    monkeypatch.setattr(compression, "MAX_VALUES", 1_000_000)
     with pytest.raises(FormatError, match="expected at most 1000000 numbers, got more"):
         read_character(write("bomb.glb", glb))
-    monkeypatch.setattr(draco, "MAX_VALUES", 32 << 20)
-    monkeypatch.setattr(draco, "MEMORY_LIMIT_BYTES", 150 << 20)
+    monkeypatch.setattr(compression, "MAX_VALUES", 32 << 20)
+    monkeypatch.setattr(compression, "MEMORY_LIMIT_BYTES", 150 << 20)
     with pytest.raises(FormatError, match="expected meshes that can be decoded"):
         read_character(write("bomb.glb", glb))
 
@@ -165,7 +165,7 @@ def test_clouds_of_points_are_refused(write: Write) -> None:
 
 
 def test_what_brings_the_decoder_is_named(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(draco, "find_spec", {"DracoPy": None}.get)
+    monkeypatch.setattr(compression, "find_spec", {"DracoPy": None}.get)
     assert util.find_spec("DracoPy") is not None
     path = write("tower.glb", draco_tower().glb())
     with pytest.raises(ModuleNotFoundError, match=r"DracoPy: pip install .motorcade\[pipeline\]"):

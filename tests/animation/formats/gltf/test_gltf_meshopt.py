@@ -9,9 +9,9 @@ import pytest
 
 from motorcade.animation import read_character
 from motorcade.animation.formats import FormatError
-from motorcade.animation.formats.gltf import meshopt
-from motorcade.animation.formats.gltf.container import open_gltf
-from motorcade.animation.formats.gltf.meshopt import unpack_indices, unpack_triangles
+from motorcade.animation.formats.gltf import compression
+from motorcade.animation.formats.gltf.compression import unpack_indices, unpack_triangles
+from motorcade.animation.formats.gltf.document import open_gltf
 from tests.animation.formats import samples
 from tests.animation.formats.packed import MESHOPT, add_stream, meshopt_streams, meshopt_tower
 from tests.animation.formats.samples import Gltf, Write
@@ -26,7 +26,7 @@ def unpacked(write: Write, *streams: dict[str, Any]) -> list[bytes]:
         add_stream(made, one)
     made.others = [{"byteLength": 1 << 20, "extensions": {MESHOPT: {}}}]
     document = open_gltf(write("streams.glb", made.glb()))
-    meshopt.unpack_meshopt(document)
+    compression.unpack_meshopt(document)
     return document.buffers[2:]
 
 
@@ -102,7 +102,7 @@ def nothing(count: int, width: int) -> bytes:
 def test_streams_of_more_than_the_limit_are_refused(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(meshopt, "MAX_UNPACKED_BYTES", 1000)
+    monkeypatch.setattr(compression, "MAX_UNPACKED_BYTES", 1000)
     some = {"mode": "ATTRIBUTES", "filter": "NONE", "count": 100, "byteStride": 4}
     some["packed"] = nothing(100, 4)
     assert unpacked(write, some, some) == [bytes(400)] * 2

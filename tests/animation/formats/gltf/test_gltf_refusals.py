@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation.formats import FormatError, read_character, read_motion
-from motorcade.animation.formats.gltf import container
+from motorcade.animation.formats.gltf import document as document_module
 from tests.animation.formats import samples
 from tests.animation.formats.samples import Gltf, Write
 
@@ -233,13 +233,13 @@ def test_a_buffer_without_bytes_is_refused(write: Write) -> None:
 @pytest.mark.parametrize(
     ("module", "name", "limit", "message"),
     [
-        ("container", "MAX_TEXT_BYTES", 100, "JSON: expected at most 100 bytes"),
-        ("container", "MAX_FILE_BYTES", 100, "from 0 to 100"),
-        ("accessors", "MAX_VALUES", 100, "at most 100 numbers in all, got more"),
+        ("document", "MAX_TEXT_BYTES", 100, "JSON: expected at most 100 bytes"),
+        ("document", "MAX_FILE_BYTES", 100, "from 0 to 100"),
+        ("document", "MAX_VALUES", 100, "at most 100 numbers in all, got more"),
         ("animations", "MAX_POSES", 1, "expected at most 1 keys in all, got more"),
         ("animations", "MAX_CLIPS", 0, "expected at most 0, got 1"),
         ("meshes", "MAX_VERTICES", 11, "vertices and triangles: expected at most 11"),
-        ("nodes", "MAX_NODES", 3, "nodes: expected at most 3, got 4"),
+        ("animations", "MAX_NODES", 3, "nodes: expected at most 3, got 4"),
     ],
 )
 def test_files_beyond_the_limits_are_refused(
@@ -256,7 +256,7 @@ def test_buffers_that_are_too_large_together_are_refused(
 ) -> None:
     made = samples.gltf_tower()
     size = len(made.data)
-    monkeypatch.setattr(container, "MAX_FILE_BYTES", size)
+    monkeypatch.setattr(document_module, "MAX_FILE_BYTES", size)
     write("tower.bin", bytes(made.data))
     buffers = [{"byteLength": size, "uri": "tower.bin"}] * 3
     document = json.dumps(made.document | {"buffers": buffers}).encode()
@@ -312,7 +312,7 @@ def test_documents_of_too_many_entries_are_not_taken_apart(
     write: Write, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Lists of empty tables, two bytes each, would take thirty times the file's size of memory."""
-    monkeypatch.setattr(container, "MAX_ENTRIES", 400)
+    monkeypatch.setattr(document_module, "MAX_ENTRIES", 400)
     made = samples.gltf_tower()
     assert len(read_character(write("few.glb", made.glb())).vertices) == 12
     made.document["extras"] = [{}] * 400
