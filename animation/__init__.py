@@ -42,9 +42,8 @@ from motorcade.animation.ik import Chain, Leg, aim, bend_limb, plant_feet, reach
 from motorcade.animation.mannequin import mannequin
 from motorcade.animation.place import Anchor, GroundPath, Placement, place_on_plane, walk_along
 from motorcade.animation.retarget import legs_of, retarget
-from motorcade.animation.runtime import PoseRuntime
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.skin import Skinner, skin
+from motorcade.animation.skin import PoseRuntime, Skinner, skin
 
 __all__ = [
     "Anchor",

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.appearance import Appearance
-from motorcade.animation.clip import Clip
-from motorcade.animation.morphs import MorphTarget, morphed
+from motorcade.animation.clip import Clip, MorphTarget, morphed
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen

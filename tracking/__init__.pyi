@@ -9,10 +9,10 @@ from . import slam as slam
 from .audit import AuditFinding as AuditFinding
 from .board_tracking.poses import BoardMeasurements as BoardMeasurements
 from .board_tracking.poses import measure_board as measure_board
-from .board_tracking.track import BoardTrack as BoardTrack
-from .board_tracking.track import registration_px as registration_px
-from .board_tracking.track import track_board as track_board
+from .board_tracking.tracker import BoardTrack as BoardTrack
 from .board_tracking.tracker import BoardTracker as BoardTracker
+from .board_tracking.tracker import registration_px as registration_px
+from .board_tracking.tracker import track_board as track_board
 from .boards.charuco import CharucoBoard as CharucoBoard
 from .boards.checkerboard import Checkerboard as Checkerboard
 from .boards.corners import Board as Board
@@ -36,10 +36,10 @@ from .planes.finding import find_planes_in_depth as find_planes_in_depth
 from .planes.plane import Plane as Plane
 from .pose import TrackingError as TrackingError
 from .self_calibration.boards import self_calibrate_board as self_calibrate_board
+from .self_calibration.boards import self_calibrate_tags as self_calibrate_tags
 from .self_calibration.motion import self_calibrate_motion as self_calibrate_motion
 from .self_calibration.result import SelfCalibration as SelfCalibration
 from .self_calibration.result import SelfCalibrationError as SelfCalibrationError
-from .self_calibration.tags import self_calibrate_tags as self_calibrate_tags
 from .slam.mapping.map import MapSnapshot as MapSnapshot
 from .slam.results import SlamResult as SlamResult
 from .slam.settings import SlamSettings as SlamSettings

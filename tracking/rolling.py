@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.board_tracking.track import BoardTrack, with_pooled_noise
+from motorcade.tracking.board_tracking.tracker import BoardTrack, with_pooled_noise
 from motorcade.tracking.boards import Board
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera, reproject

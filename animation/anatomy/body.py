@@ -22,8 +22,7 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from motorcade.animation.anatomy.tree import JointTree, LimbPair
-from motorcade.animation.anatomy.words import SIDES, named_roles, named_sides
+from motorcade.animation.anatomy.tree import SIDES, JointTree, LimbPair, named_roles, named_sides
 from motorcade.animation.vectors import unit
 from motorcade.ga.arrays import FloatArray, IntArray
 

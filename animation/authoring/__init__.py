@@ -13,18 +13,16 @@ from motorcade.animation.authoring.editing.gestures import (
     gestures_text,
     read_gestures,
 )
-from motorcade.animation.authoring.keyframes import (
-    InterpolationFigures,
-    between_keyframes,
-    compare_interpolations,
-)
 from motorcade.animation.authoring.parts import (
+    InterpolationFigures,
     JointKeyframe,
     SceneAnchor,
     SceneKeyframe,
     SceneLayer,
     ScenePart,
     SceneWalk,
+    between_keyframes,
+    compare_interpolations,
 )
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.authoring.scene import Scene

@@ -22,9 +22,9 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.authoring.poses import checked_vector
 from motorcade.animation.ik import Ball, Hinge, IkSolver, PoseGoal
-from motorcade.animation.ik.joints import JointKind
+from motorcade.animation.ik.chain import JointKind
 from motorcade.animation.retarget import body_of
-from motorcade.animation.retarget.roles import ancestors
+from motorcade.animation.retarget.reference import ancestors
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import perpendicular
 from motorcade.ga import Motor, Rotor, Similarity

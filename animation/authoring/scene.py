@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation.authoring.fields import anchor_json, part_json, pose_json
-from motorcade.animation.authoring.keyframes import between_keyframes
-from motorcade.animation.authoring.parts import SceneAnchor, ScenePart
+from motorcade.animation.authoring.parts import SceneAnchor, ScenePart, between_keyframes
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, pose_of
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray

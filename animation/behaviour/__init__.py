@@ -2,9 +2,17 @@
 
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
 from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart
-from motorcade.animation.behaviour.gaze import Gaze, LookTarget
-from motorcade.animation.behaviour.performance import Performance, foot_slides_m, perform
-from motorcade.animation.behaviour.timeline import FOLLOWS, Errand, Segment, State, Timeline
+from motorcade.animation.behaviour.performance import (
+    FOLLOWS,
+    Errand,
+    Performance,
+    Segment,
+    State,
+    Timeline,
+    foot_slides_m,
+    perform,
+)
+from motorcade.animation.behaviour.sources import Gaze, LookTarget
 
 __all__ = [
     "FOLLOWS",

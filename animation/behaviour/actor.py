@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from motorcade.animation.behaviour.gaze import Gaze
+from motorcade.animation.behaviour.sources import Gaze
 from motorcade.animation.blend import (
     BlendSpace,
     GroundedMotion,
@@ -23,8 +23,7 @@ from motorcade.animation.blend import (
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
-from motorcade.animation.place.pacing import MOST_M_S2, Pace, passing_s
-from motorcade.animation.place.walks import on_the_spot, rigid
+from motorcade.animation.place.walks import MOST_M_S2, Pace, on_the_spot, passing_s, rigid
 from motorcade.animation.retarget import facing_rad
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import wrapped

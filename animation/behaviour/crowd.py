@@ -15,8 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from motorcade.animation.behaviour.actor import Actor
-from motorcade.animation.behaviour.performance import Performance
-from motorcade.animation.behaviour.timeline import Errand, Timeline
+from motorcade.animation.behaviour.performance import Errand, Performance, Timeline
 from motorcade.animation.place.walks import GroundPath
 from motorcade.ga.arrays import FloatArray
 

@@ -7,8 +7,6 @@ from motorcade.animation.blend.alignment import (
     in_step,
     planted,
 )
-from motorcade.animation.blend.clips import blend_clips, differences_m
-from motorcade.animation.blend.layers import PoseLayer, added, additive, blend_layers, closed
 from motorcade.animation.blend.locomotion import (
     BlendSpace,
     RootMotion,
@@ -18,11 +16,23 @@ from motorcade.animation.blend.locomotion import (
 from motorcade.animation.blend.methods import (
     BLEND_METHODS,
     BlendMethod,
+    PoseLayer,
     Poses,
+    added,
+    additive,
+    blend_layers,
     blend_poses,
+    closed,
     stacked,
 )
-from motorcade.animation.blend.transitions import CrossFade, Inertialized, PoseSource, Shifted
+from motorcade.animation.blend.transitions import (
+    CrossFade,
+    Inertialized,
+    PoseSource,
+    Shifted,
+    blend_clips,
+    differences_m,
+)
 
 __all__ = [
     "BLEND_METHODS",

@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.blend.clips import blend_clips
-from motorcade.animation.blend.layers import additive
 from motorcade.animation.blend.locomotion import RootMotion, heading_of, phase_between, without_way
-from motorcade.animation.blend.methods import BlendMethod
+from motorcade.animation.blend.methods import BlendMethod, additive
+from motorcade.animation.blend.transitions import blend_clips
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg, find_stances, plant_feet
 from motorcade.animation.ik.feet import segments
 from motorcade.animation.retarget import body_of, facing_rad
-from motorcade.animation.retarget.roles import ancestors
+from motorcade.animation.retarget.reference import ancestors
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Similarity

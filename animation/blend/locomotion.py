@@ -16,8 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from motorcade.animation.blend.layers import additive
-from motorcade.animation.blend.methods import BlendMethod, Poses, blend_poses, stacked
+from motorcade.animation.blend.methods import BlendMethod, Poses, additive, blend_poses, stacked
 from motorcade.animation.clip import LOOP_TOLERANCE, Clip
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z

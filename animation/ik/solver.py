@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.animation.ik.joints import Hinge, JointKind, checked_direction
+from motorcade.animation.ik.chain import Hinge, JointKind, checked_direction
 from motorcade.animation.native import _ik
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor

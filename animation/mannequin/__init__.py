@@ -10,7 +10,7 @@ from functools import lru_cache
 from importlib.resources import as_file, files
 
 from motorcade.animation.character import Character
-from motorcade.animation.morphs import MorphTarget
+from motorcade.animation.clip import MorphTarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import checked_positive

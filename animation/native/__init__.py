@@ -1,1 +1,1 @@
-"""Compiled posing and skinning; see `motorcade.animation.runtime` and `animation.skin`."""
+"""Compiled posing and skinning; see `motorcade.animation.skin`."""

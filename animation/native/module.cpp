@@ -1,5 +1,5 @@
 // Binds rigs and meshes to Python. Arrays come checked and C-ordered; see motorcade.animation.skin
-// and motorcade.animation.runtime. The interpreter lock is released for meshes, not for poses,
+// and motorcade.animation.skin. The interpreter lock is released for meshes, not for poses,
 // which take less time than handing it over.
 
 #include <nanobind/nanobind.h>

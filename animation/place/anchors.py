@@ -26,7 +26,7 @@ from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
 from motorcade.animation.ik.feet import sole_points
-from motorcade.animation.retarget.roles import body_of
+from motorcade.animation.retarget.reference import body_of
 from motorcade.animation.vectors import UP, axes_along, turn_z, unit
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive

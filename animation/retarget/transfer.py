@@ -16,18 +16,18 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from motorcade.animation.anatomy.words import SIDES
+from motorcade.animation.anatomy.tree import SIDES
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg
 from motorcade.animation.ik.feet import GroundHeights, bent_toes, smooth_over, sole_clearance_m
-from motorcade.animation.retarget.reference import constants
-from motorcade.animation.retarget.roles import (
+from motorcade.animation.retarget.reference import (
     LIMBS,
     NO_BONE_M,
     Match,
     ancestors,
     body_of,
     common_parent,
+    constants,
     figure_of,
     joints_alike,
     legs_of,

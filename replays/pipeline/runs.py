@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation import Clip
+from motorcade.animation.clip import MorphTrack
 from motorcade.animation.formats import CameraPath, CharacterOnPath, write_cast_gltf
-from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError, read_bounded

@@ -26,8 +26,7 @@ from motorcade.tracking.cameras.calibrate import (
     spread_views,
     try_lenses,
 )
-from motorcade.tracking.cameras.camera import CameraModel
-from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
+from motorcade.tracking.cameras.camera import AS_STORED, CameraModel, ImageOrientation
 
 # Frames of a video that are searched, and views that are fitted: more hardly change the result.
 _MOST_FRAMES = 300

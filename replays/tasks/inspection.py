@@ -39,7 +39,7 @@ from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
 from motorcade.replays.pipeline.described.describing import open_described, summary
-from motorcade.tracking.cameras.orientation import AS_STORED
+from motorcade.tracking.cameras.camera import AS_STORED
 
 
 def describe(recording: Recording) -> dict[str, Any]:

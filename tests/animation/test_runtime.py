@@ -7,8 +7,7 @@ import pytest
 
 from motorcade.animation import Clip, Skeleton
 from motorcade.animation.blend import blend_poses
-from motorcade.animation.runtime import PoseRuntime
-from motorcade.animation.skin import palette
+from motorcade.animation.skin import PoseRuntime, palette
 from motorcade.ga import Motor, Similarity
 
 JOINTS = 19

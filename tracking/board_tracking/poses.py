@@ -22,9 +22,15 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.audit import scatter_px
 from motorcade.tracking.board_tracking.tracker import PoseChoice, choose_pose
 from motorcade.tracking.boards.corners import BoardCorners
-from motorcade.tracking.cameras.calibrate import Calibration, calibrate, spread_views
+from motorcade.tracking.cameras.calibrate import (
+    Calibration,
+    Fit,
+    Observations,
+    calibrate,
+    fit_camera,
+    spread_views,
+)
 from motorcade.tracking.cameras.camera import Camera, CameraModel
-from motorcade.tracking.cameras.intrinsics_fit import Fit, Observations, fit_camera
 from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.pose import (
     SIGMA_FLOOR_PX,

@@ -1,4 +1,4 @@
-"""Cameras: intrinsics, lens distortion and size; points to pixels and pixels to rays.
+"""Cameras: intrinsics, distortion, size; points to pixels and back; zoomed and turned images.
 
 Conventions: OpenCV camera axes (x right, y down, z forward), metres, pixel (0, 0) is the centre of
 the top-left pixel, no skew. Models and their coefficients, in OpenCV's and Kalibr's order:
@@ -15,6 +15,17 @@ The one derivative of reprojection is here too. A pose is perturbed by a twist i
 ``world_T_camera.retract(twist)``: rotation (rad), then translation (m). The derivative by a pose
 elsewhere in a chain follows by the adjoint of what lies between: a twist of the rig in
 ``world_T_rig @ rig_T_camera`` moves the camera by ``camera_T_rig.adjoint() @ twist``.
+
+A zoom about the lens's centre scales its image about there, distortion and all. So an image that
+was taken zoomed shows, scaled back, what the camera's own focal length would have shown of it, and
+all that asks a recording for one camera stays as it is.
+
+A phone stores what its sensor reads and notes beside it how the image is to be shown: mirrored or
+not, and turned by quarter turns. Turning an image turns its camera's axes about the optical axis;
+no pixel is resampled, so the turned camera is exact.
+
+With x' = -y, y' = x for a quarter turn clockwise, Brown's tangential terms (p1, p2) become
+(p2, -p1); radial terms stay. Pixel (u, v) of w x h becomes (h - 1 - v, u).
 """
 
 from __future__ import annotations
@@ -22,14 +33,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Literal, cast
+from typing import Any, Literal, TypeVar, cast
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from motorcade.ga import Motor
-from motorcade.ga.arrays import FloatArray, checked_floats
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.tracking.cameras import lenses
 
 CameraModel = Literal["pinhole", "radtan", "equidistant"]
@@ -346,3 +357,165 @@ def by_twist(in_camera: FloatArray, by_point: FloatArray) -> FloatArray:
     jacobian[..., 2] = y * a - x * b
     np.negative(by_point, out=jacobian[..., 3:])
     return jacobian
+
+
+Pixels = TypeVar("Pixels", NDArray[np.uint8], NDArray[np.float32])
+_ALIASED = 0.5
+MOST_KNOTS = 500
+"""A curve is written with no more times than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Zoom:
+    """Focal lengths over time, in those of a camera.
+
+    Distortion is held to be the same in every focal length, which lenses keep roughly; a rolling
+    shutter's rows keep their times only near a ratio of 1.
+
+    Args:
+        time_s: ``(K,)`` rising, on the clock of the frames' stamps.
+        ratio: ``(K,)`` focal length over the camera's, above 0; geometric between, constant beyond.
+
+    Raises:
+        ValueError: another number of ratios than of times, times that do not rise, or ratios that
+            are not above 0.
+
+    >>> from motorcade.tracking.cameras.camera import Zoom
+    >>> Zoom([0.0, 2.0], [1.0, 4.0]).at([-1_000_000_000, 1_000_000_000])
+    array([1., 2.])
+    """
+
+    time_s: FloatArray
+    ratio: FloatArray
+
+    def __post_init__(self) -> None:
+        for name in ("time_s", "ratio"):
+            values = np.array(getattr(self, name), np.float64)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        if self.time_s.ndim != 1 or not len(self.time_s) or np.any(np.diff(self.time_s) <= 0.0):
+            raise ValueError("Zoom.time_s: expected rising seconds, got some that do not rise")
+        if self.ratio.shape != self.time_s.shape or not np.all(self.ratio > 0.0):
+            expected = f"expected {len(self.time_s)} numbers above 0, one a time"
+            raise ValueError(f"Zoom.ratio: {expected}, got {self.ratio.tolist()[:4]}")
+
+    def at(self, time_ns: IntArray | int) -> FloatArray:
+        """Focal length over the camera's ``(*,)`` at stamps ``(*,)``."""
+        time_s = 1e-9 * np.asarray(time_ns, np.float64)
+        return np.asarray(np.exp(np.interp(time_s, self.time_s, np.log(self.ratio))))
+
+    def unzoomed(self, image: Pixels, camera: Camera, time_ns: int) -> Pixels:
+        """An image ``(h, w)`` or ``(h, w, 3)`` as the camera's own focal length shows it.
+
+        What it does not show is black, or NaN of an image of numbers.
+        """
+        ratio = float(self.at(time_ns))
+        depth = image.dtype != np.uint8
+        if ratio > 1.0 and not depth:
+            image = np.asarray(cv2.GaussianBlur(image, (0, 0), _ALIASED * (ratio**2 - 1) ** 0.5))
+        scale, centre = 1.0 / ratio, np.array([camera.cx, camera.cy])
+        shown = np.column_stack([scale * np.eye(2), (1.0 - scale) * centre])
+        size, how = (camera.width, camera.height), cv2.INTER_NEAREST if depth else cv2.INTER_CUBIC
+        outside = np.nan if depth else 0.0
+        moved = cv2.warpAffine(image, shown, size, flags=how, borderValue=(outside,) * 4)
+        return np.asarray(moved, image.dtype)
+
+
+Stored = TypeVar("Stored", bound=np.generic)
+_QUARTER_TURN = np.array([[0, -1], [1, 0]])
+
+
+@dataclass(frozen=True)
+class ImageOrientation:
+    """How a stored image is shown: mirrored left to right or not, then turned clockwise.
+
+    Fields:
+        quarter_turns: 0 to 3, clockwise.
+        mirrored: before that.
+
+    Raises:
+        ValueError: another number of quarter turns.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.cameras.camera import ImageOrientation
+    >>> ImageOrientation(1).upright(np.array([[1, 2, 3], [4, 5, 6]]))
+    array([[4, 1],
+           [5, 2],
+           [6, 3]])
+    """
+
+    quarter_turns: int = 0
+    mirrored: bool = False
+
+    def __post_init__(self) -> None:
+        if self.quarter_turns not in range(4):
+            raise ValueError(f"quarter_turns: expected 0 to 3, got {self.quarter_turns!r}")
+
+    @property
+    def degrees(self) -> int:
+        """Clockwise: 0, 90, 180 or 270."""
+        return 90 * self.quarter_turns
+
+    @property
+    def matrix(self) -> NDArray[np.int64]:
+        """(2, 2) from stored directions (right, down) to shown ones."""
+        turn = np.linalg.matrix_power(_QUARTER_TURN, self.quarter_turns)
+        return np.asarray(turn @ np.diag([-1 if self.mirrored else 1, 1]), np.int64)
+
+    def size(self, stored: tuple[int, int]) -> tuple[int, int]:
+        """Width and height as shown."""
+        return (stored[1], stored[0]) if self.quarter_turns % 2 else stored
+
+    def upright(self, image: NDArray[Stored]) -> NDArray[Stored]:
+        """A stored image ``(height, width, ...)`` as it is shown; the image itself where it is
+        stored so.
+        """
+        if self == AS_STORED:
+            return image
+        seen = image[:, ::-1] if self.mirrored else image
+        return np.ascontiguousarray(np.rot90(seen, -self.quarter_turns))
+
+
+AS_STORED = ImageOrientation()
+
+
+def turned_camera(camera: Camera, quarter_turns: int) -> Camera:
+    """The camera of images turned clockwise; any whole number of quarter turns.
+
+    What `camera` has at a pixel, this one has where that pixel goes, along axes that are turned
+    with the image (`camera_T_turned`).
+
+    >>> from motorcade.tracking import Camera
+    >>> from motorcade.tracking.cameras.camera import turned_camera
+    >>> turned_camera(Camera(640, 480, 500.0, 505.0, 310.0, 240.0), 1)
+    Camera(width=480, height=640, fx=505.0, fy=500.0, cx=239.0, cy=310.0, model='pinhole', \
+distortion=())
+    """
+    for _ in range(quarter_turns % 4):
+        distortion = camera.distortion
+        if camera.model == "radtan" and len(distortion) > 2:
+            k1, k2, p1, p2, *others = distortion
+            distortion = (k1, k2, p2, -p1, *others)
+        camera = Camera(
+            camera.height,
+            camera.width,
+            camera.fy,
+            camera.fx,
+            camera.height - 1 - camera.cy,
+            camera.cx,
+            camera.model,
+            distortion,
+        )
+    return camera
+
+
+def camera_T_turned(quarter_turns: int) -> Motor:
+    """From the axes of `turned_camera` to those of the camera before it was turned.
+
+    >>> from motorcade.tracking.cameras.camera import camera_T_turned
+    >>> camera_T_turned(1).apply([0.0, 1.0, 0.0]).round(9)  # down as shown is right as stored
+    array([1., 0., 0.])
+    """
+    angle_rad = -0.5 * math.pi * (quarter_turns % 4)
+    turn = Rotor.from_rotation_vector([0.0, 0.0, angle_rad])
+    return Motor.from_rotor_translation(turn, [0.0, 0.0, 0.0])

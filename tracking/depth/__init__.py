@@ -18,8 +18,13 @@ A wall 2 m away, seen by a depth camera that sits 25 mm to the left of the colou
 (2.0, True)
 """
 
-from motorcade.tracking.depth.cameras import DepthCamera, inverse_depth_step, register_depth
-from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
+from motorcade.tracking.depth.cameras import (
+    DepthCamera,
+    EdgeOffset,
+    edge_offset,
+    inverse_depth_step,
+    register_depth,
+)
 from motorcade.tracking.depth.refine import (
     FocalFactor,
     RefinedByDepth,

@@ -37,7 +37,10 @@ from motorcade.tracking.self_calibration.lens import (
     KINDS,
     USUAL_FOCAL,
     LensKind,
+    doubt_of,
     start_numbers,
+    view_deg,
+    with_prior,
 )
 from motorcade.tracking.self_calibration.points import (
     PointFit,
@@ -52,14 +55,9 @@ from motorcade.tracking.self_calibration.result import (
     SelfCalibration,
     SelfCalibrationError,
 )
-from motorcade.tracking.self_calibration.usual import (
-    doubt_of,
-    view_deg,
-    with_prior,
-)
 from motorcade.tracking.self_calibration.zooming import focal_range, zoom_doubt
 from motorcade.tracking.slam.features import find_corners
-from motorcade.tracking.slam.initialise import flow_beyond_rotation_px
+from motorcade.tracking.slam.geometry import flow_beyond_rotation_px
 from motorcade.tracking.slam.results import SlamResult
 from motorcade.tracking.slam.slam import VisualSlam
 

@@ -6,8 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.camera import Camera, Zoom
 
 Basis = Literal["board", "tags", "motion"]
 ReadoutAxis = Literal["down", "up", "right", "left"]

@@ -18,9 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.tracking.cameras.zoom import MOST_KNOTS, Zoom
-from motorcade.tracking.self_calibration.bodies import BodyObservations, BodyState
-from motorcade.tracking.self_calibration.fitting import BodyFit, fit
+from motorcade.tracking.cameras.camera import MOST_KNOTS, Zoom
+from motorcade.tracking.self_calibration.bodies import BodyFit, BodyObservations, BodyState, fit
 
 PARTS, FEWEST_VIEWS = 5, 5
 _SIGMAS, _LEAST, _WORSE = 5.0, 0.15, 3.0

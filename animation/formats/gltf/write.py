@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
-from motorcade.animation.clip import Clip
+from motorcade.animation.clip import Clip, MorphTrack
 from motorcade.animation.formats.gltf.binary import (
     GENERATOR,
     VERTICES,
@@ -25,7 +25,6 @@ from motorcade.animation.formats.gltf.binary import (
     write_glb,
 )
 from motorcade.animation.formats.rig.sampling import divided, parts_of_steps
-from motorcade.animation.morphs import MorphTrack
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 

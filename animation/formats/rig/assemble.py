@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.character import Character
-from motorcade.animation.clip import Clip
+from motorcade.animation.clip import Clip, MorphTrack
 from motorcade.animation.formats.limits import MAX_VALUES, NoMeshError, check_count, expected
 from motorcade.animation.formats.rig.joints import Binding, JointPoses, Joints, joint_poses
 from motorcade.animation.formats.rig.stance import Stance, Wanted, growing
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.values import Rig, RigClip, scaled_matrices
-from motorcade.animation.morphs import MorphTrack
 from motorcade.animation.skeleton import Skeleton, local_poses
 from motorcade.animation.vectors import turn_z, unit
 from motorcade.ga import Motor, Similarity

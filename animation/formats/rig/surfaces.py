@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Appearance, MaterialPart
+from motorcade.animation.clip import MorphTarget
 from motorcade.animation.formats.limits import FormatError, expected
 from motorcade.animation.formats.rig.joints import (
     Binding,
@@ -21,7 +22,6 @@ from motorcade.animation.formats.rig.joints import (
     node_matrices,
 )
 from motorcade.animation.formats.rig.values import NodeTree, RigMorph, RigSurface
-from motorcade.animation.morphs import MorphTarget
 from motorcade.animation.vectors import UP, unit
 from motorcade.ga.arrays import FloatArray, IntArray
 

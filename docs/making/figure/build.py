@@ -23,7 +23,7 @@ from docs.making.figure.shape.surface import SymmetricMesh, meshed
 from docs.making.figure.shape.weights import influences, rigid_head
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
 from motorcade.animation.character import Character
-from motorcade.animation.morphs import MorphTarget
+from motorcade.animation.clip import MorphTarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga.arrays import FloatArray, IntArray
 

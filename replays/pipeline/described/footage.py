@@ -39,11 +39,9 @@ from motorcade.tracking import (
     self_calibrate_motion,
     self_calibrate_tags,
 )
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.camera import Camera, Zoom
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.self_calibration.lens import USUAL_FOCAL
-from motorcade.tracking.self_calibration.usual import doubt_of, view_deg, with_prior
+from motorcade.tracking.self_calibration.lens import USUAL_FOCAL, doubt_of, view_deg, with_prior
 from motorcade.tracking.shots import CameraMotion, ClipShot, Shots, find_shots
 from motorcade.tracking.targets import (
     FoundTarget,

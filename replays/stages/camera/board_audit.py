@@ -18,9 +18,8 @@ from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_e
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.self_calibration.boards import board_observations
-from motorcade.tracking.self_calibration.bodies import spread_runs
+from motorcade.tracking.self_calibration.bodies import fit, spread_runs
 from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
-from motorcade.tracking.self_calibration.fitting import fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
 _VIEWS, _CALIBRATED, _OUTLIERS = 90, 20, 0.1

@@ -26,7 +26,7 @@ from motorcade.tracking import (
     track_board,
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
-from motorcade.tracking.board_tracking.track import guessed_turns
+from motorcade.tracking.board_tracking.tracker import guessed_turns
 from motorcade.tracking.images import corner_noise_px
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target

@@ -20,8 +20,12 @@ from motorcade.replays.stages.camera.depth import measured_depth
 from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking import Camera
 from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict, centre_finding
-from motorcade.tracking.depth.cameras import DepthCamera, inverse_depth_step
-from motorcade.tracking.depth.edges import EdgeOffset, edge_offset
+from motorcade.tracking.depth.cameras import (
+    DepthCamera,
+    EdgeOffset,
+    edge_offset,
+    inverse_depth_step,
+)
 from motorcade.tracking.images import track_corners
 from motorcade.tracking.slam.features import find_corners
 

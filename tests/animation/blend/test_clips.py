@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.animation import Clip
 from motorcade.animation.blend import blend_clips, closed, differences_m, split_root_motion
-from motorcade.animation.morphs import MorphTrack
+from motorcade.animation.clip import MorphTrack
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 

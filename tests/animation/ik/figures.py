@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.animation import Skeleton
 from motorcade.animation.ik import Ball, Hinge
-from motorcade.animation.ik.joints import JointKind
+from motorcade.animation.ik.chain import JointKind
 from motorcade.ga import Motor, Rotor
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Skeleton
-from motorcade.animation.morphs import MorphTarget
+from motorcade.animation.clip import MorphTarget
 from motorcade.animation.skin import SKIN_METHODS, Skinner, palette, skin
 from motorcade.ga import DualQuaternion, Motor, Similarity, kernels
 

@@ -24,7 +24,7 @@ from motorcade.replays.io.readers.frames.images import (
     read_gray,
     read_image,
 )
-from motorcade.tracking.cameras.orientation import ImageOrientation
+from motorcade.tracking.cameras.camera import ImageOrientation
 
 ENDINGS = (".png", ".jpg", ".bmp", ".ppm", ".pgm")
 

@@ -16,7 +16,7 @@ from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.orientation import (
+from motorcade.tracking.cameras.camera import (
     AS_STORED,
     ImageOrientation,
     camera_T_turned,

@@ -21,7 +21,7 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
-from motorcade.tracking.board_tracking.track import guessed_turns
+from motorcade.tracking.board_tracking.tracker import guessed_turns
 from motorcade.tracking.measurements import MarkerObservation
 
 STEP_NS = 33_333_333

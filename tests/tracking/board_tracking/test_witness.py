@@ -9,7 +9,7 @@ import pytest
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.tracking import BoardTrack, Camera, Checkerboard, MarkerGrid, PoseMeasurements
 from motorcade.tracking.audit import scatter_px
-from motorcade.tracking.board_tracking.track import with_pooled_noise
+from motorcade.tracking.board_tracking.tracker import with_pooled_noise
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.images import corner_noise_px

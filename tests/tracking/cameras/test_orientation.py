@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.orientation import (
+from motorcade.tracking.cameras.camera import (
     ImageOrientation,
     camera_T_turned,
     turned_camera,

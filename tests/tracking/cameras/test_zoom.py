@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.render.lens import LensWarp
 from motorcade.tracking import Camera
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.camera import Zoom
 
 CAMERA = Camera(160, 120, 100.0, 100.0, 79.0, 61.0)
 

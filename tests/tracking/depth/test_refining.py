@@ -11,7 +11,7 @@ import pytest
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking import Camera, MapSnapshot
 from motorcade.tracking.depth import DepthCamera, focal_factor, refine_by_depth
-from motorcade.tracking.depth.adjustment import (
+from motorcade.tracking.depth.refine import (
     CamerasPrior,
     _Problem,
     adjust_rgbd,

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from motorcade.tracking.optimise import PairIndex
-from motorcade.tracking.sparse import PassingEquations
+from motorcade.tracking.optimise import PairIndex, PassingEquations
 
 STAYING, FRAMES, WIDTH = 4, 6, 6
 

@@ -9,7 +9,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking import Camera
 from motorcade.tracking.slam.features import find_corners, stereo_depth
-from motorcade.tracking.slam.initialise import flow_beyond_rotation_px, two_views
+from motorcade.tracking.slam.geometry import flow_beyond_rotation_px, two_views
 
 CAMERA = Camera(400, 300, 320.0, 320.0, 199.5, 149.5)
 

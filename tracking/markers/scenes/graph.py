@@ -1,7 +1,7 @@
 """The factor graph of a scene: corners, stated poses, steps of odometry, measured lengths.
 
 All factors of a kind are linearised at once; the normal equations are sparse (see
-`motorcade.tracking.sparse`). A corner hangs on four poses: gtsam's Python has no such factor, and
+`motorcade.tracking.optimise`). A corner hangs on four poses: gtsam's Python has no such factor, and
 one written in Python costs a hundred times as much. Wrong observations are bounded by Huber's loss,
 then by Cauchy's.
 
@@ -25,8 +25,14 @@ from motorcade.tracking.markers.families import marker_points_m
 from motorcade.tracking.markers.scenes.scene import BodyOdometry, MarkerScene
 from motorcade.tracking.markers.scenes.start import stated_rows
 from motorcade.tracking.markers.scenes.table import CAMERA, SceneObservations
-from motorcade.tracking.optimise import PairIndex, Stop, huber, huber_cauchy, minimise
-from motorcade.tracking.sparse import PassingEquations
+from motorcade.tracking.optimise import (
+    PairIndex,
+    PassingEquations,
+    Stop,
+    huber,
+    huber_cauchy,
+    minimise,
+)
 
 _HUBER, _OUTLIER = 4.0, 12.0
 """In deviations of an observation's eight residuals: where its loss turns straight, and flat."""

@@ -26,7 +26,7 @@ import numpy as np
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera, to_frame
-from motorcade.tracking.optimise import PairIndex, Stop, minimise, sum_by
+from motorcade.tracking.optimise import PairIndex, SparseEquations, Stop, minimise, sum_by
 from motorcade.tracking.slam.features import Corners, find_corners
 from motorcade.tracking.slam.geometry import BoolArray, refine_pose
 from motorcade.tracking.slam.mapping.map import GONE, Keyframe, SlamMap
@@ -38,7 +38,6 @@ from motorcade.tracking.slam.mapping.matching import (
     verified,
 )
 from motorcade.tracking.slam.tracker import is_reliable
-from motorcade.tracking.sparse import SparseEquations
 
 _APART = 10  # keyframes between the two passes, at least
 _CANDIDATES = 3

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from motorcade.animation.clip import Clip
-from motorcade.animation.morphs import MorphTrack
+from motorcade.animation.clip import Clip, MorphTrack
 from motorcade.ga.arrays import FloatArray
 
 BLINK, SMILE = 0, 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 
-from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
+from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 
 _ORIENTATION, _EXIF, _FOCAL_35MM = 274, 34665, 41989
 _SHORT, _LONG = 3, 4

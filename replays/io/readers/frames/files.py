@@ -25,7 +25,7 @@ from motorcade.replays.io.files import read_bounded
 from motorcade.replays.io.readers.frames import images
 from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks
-from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
+from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking import Camera

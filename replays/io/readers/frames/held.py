@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.orientation import ImageOrientation, turned_camera
+from motorcade.tracking.cameras.camera import Camera, ImageOrientation, turned_camera
 
 ROTATIONS_DEG = (0, 90, 180, 270)
 _TAKEN_AS_SHOWN = (
@@ -55,7 +54,7 @@ def upright_camera(
             or mirrored images with a camera for their mirror images.
 
     >>> from motorcade.tracking import Camera
-    >>> from motorcade.tracking.cameras.orientation import ImageOrientation
+    >>> from motorcade.tracking.cameras.camera import ImageOrientation
     >>> sensor = Camera(1920, 1080, 1500.0, 1500.0, 950.0, 540.0)
     >>> upright_camera(sensor, None, (1920, 1080), ImageOrientation(1)).camera.cy
     950.0

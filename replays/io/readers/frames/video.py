@@ -41,7 +41,7 @@ from motorcade.replays.io.readers.frames.packets import (
 )
 from motorcade.replays.io.readers.gpmf import read_telemetry
 from motorcade.replays.io.recording import DecodedFrames, ImageArray, Recording
-from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
+from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera

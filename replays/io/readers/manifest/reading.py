@@ -59,9 +59,7 @@ from motorcade.replays.io.trajectories import even_stamps, read_times
 from motorcade.replays.io.transforms import transform
 from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.boards import Board
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.orientation import AS_STORED, camera_T_turned
-from motorcade.tracking.cameras.zoom import MOST_KNOTS, Zoom
+from motorcade.tracking.cameras.camera import AS_STORED, MOST_KNOTS, Camera, Zoom, camera_T_turned
 from motorcade.tracking.depth.cameras import FINEST, DepthCamera
 from motorcade.tracking.slam import MapSnapshot
 

@@ -36,7 +36,7 @@ from motorcade.replays.io.readers.frames.images import FRAME_PIXELS, image_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.recording import DecodedFrames, DepthArray, Frame, ImageArray
-from motorcade.tracking.cameras.orientation import AS_STORED
+from motorcade.tracking.cameras.camera import AS_STORED
 
 if TYPE_CHECKING:
     from motorcade.tracking.cameras.camera import Camera

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, read_character
-from motorcade.animation.anatomy.words import named_eyes
+from motorcade.animation.anatomy.tree import named_eyes
 from motorcade.animation.formats import FormatError
-from motorcade.animation.retarget.roles import body_of
+from motorcade.animation.retarget.reference import body_of
 from motorcade.replays.cli import main
 from tests.animation.formats.samples import Gltf, Write, gltf_tower
 
