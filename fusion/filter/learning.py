@@ -33,6 +33,7 @@ from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.prediction import surely_above_zero
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import checked_span_ns
@@ -54,8 +55,6 @@ magnitude. What the recording does not tell stays as it was."""
 _STEP, _CLOSE = float(np.log(2.0)), 0.05
 """First steps, and where to stop: five in a hundred of a density change no path."""
 _MOST_TRIALS = 80
-_CHANCE = 0.05
-"""What counts as chance, by Student's distribution over turns, to one side."""
 _GROWTH = 0.02
 """Of an error that is none: errors of a few dozen spans know their own size to a tenth. Chosen with
 a look at all five flights."""
@@ -145,7 +144,7 @@ def learn_noise(
     better = (
         after.log_density > before.log_density
         and after.held_out_log_density >= before.held_out_log_density
-        and not _surely_above_zero(_squares(predicted_after[1], 0) - allowed)
+        and not surely_above_zero(_squares(predicted_after[1], 0) - allowed)
     )
     return LearntNoise(
         candidate if better else noise, better, _summary(better, factors, before, after), factors,
@@ -174,17 +173,6 @@ def _squares(held: Predictions, parity: int) -> FloatArray:
     return np.bincount(row, square) / count
 
 
-def _surely_above_zero(differences: FloatArray) -> bool:
-    """Whether the sum of what paired turns differ by is above zero by more than chance."""
-    from scipy.stats import t
-
-    count = len(differences)
-    if count < 2:
-        return False
-    spread = differences.std(ddof=1) * np.sqrt(count)
-    return bool(differences.sum() > t.ppf(1.0 - _CHANCE, count - 1) * spread)
-
-
 def _as_far_as_told(
     predicted: Callable[[FloatArray], tuple[Predictions, Predictions]], logarithms: FloatArray
 ) -> FloatArray:
@@ -201,7 +189,7 @@ def _as_far_as_told(
 
     def contradicted(tried: FloatArray) -> bool:
         predictions = predicted(tried)
-        return _surely_above_zero(likely - _by_turn(*predictions)) or _surely_above_zero(
+        return surely_above_zero(likely - _by_turn(*predictions)) or surely_above_zero(
             _squares(predictions[1], 1) - (1.0 + _GROWTH) ** 2 * squares
         )
 

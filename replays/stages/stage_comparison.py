@@ -2,12 +2,9 @@
 
 Paths are judged at the same stamps, so that one is not the worse for going on where another has
 ended. By the ground truth a difference of 2 % is told, and whether it is within chance; by held-out
-poses, which have errors of their own, only what chance does not explain.
-
-Every fifth measured pose is left out, the stage is run again without them, and the path is asked
-where the camera was there. What comes of the tracked poses alone is their cubic: a fair rival, as
-it bends with the motion. Errors that last from frame to frame, as of a wrong calibration, are in
-the held-out poses as well, and are not seen.
+poses (`fusion.prediction`), which have errors of their own, only what chance does not explain. The
+stage is run again without them; what comes of the tracked poses alone is the curve through them: a
+fair rival, as it bends with the motion.
 """
 
 from __future__ import annotations
@@ -17,7 +14,6 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from motorcade.fusion.metrics import (
     Align,
@@ -26,7 +22,9 @@ from motorcade.fusion.metrics import (
     associate,
     rotation_rad,
 )
-from motorcade.ga import Motor, Trajectory
+from motorcade.fusion.prediction import held_out, judged_stamps, surely_grown
+from motorcade.fusion.smoothing import PathCurve
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
@@ -36,11 +34,9 @@ from motorcade.tracking import PoseMeasurements
 
 TOLERANCE = 0.02
 """Relative to the error before; below it nobody would choose one path for it."""
-_BLOCKS = 20
-_CHANCE = 2.09
-"""Student's t of 19 degrees of freedom, beyond which 5 % lie: errors of 20 segments, which last
-within a segment and hardly from one to the next."""
-_LEAST = np.finfo(np.float64).tiny
+_CHANCE = 0.025
+"""Of each of two figures, position and rotation."""
+_FEWEST = 5
 _OUTLIER = 5.0
 """A held-out pose that every path misses by so many times its median is an outlier itself."""
 
@@ -64,10 +60,7 @@ def compared_by_truth(
     for name, path in paths.items():
         pairs = associate(path[np.isin(path.time_ns, common)], truth)
         aligned = alignment_of(pairs, align).apply(pairs.estimate)
-        errors[name] = (
-            absolute_translation_m(aligned, pairs.reference),
-            np.rad2deg(rotation_rad(aligned, pairs.reference)),
-        )
+        errors[name] = _apart(aligned, pairs.reference)
     return _compared("ground truth", errors, fused, "m")
 
 
@@ -83,12 +76,14 @@ def compared_by_held_out(
     if len(there) < len(held_out_paths):
         return NOT_COMPARED
     stamps = judged_stamps(measured)
-    paths = {"camera_poses": measured[~np.isin(measured.time_ns, stamps)], **there}
-    stamps = stamps[_inside(tuple(paths.values()), stamps)]
-    if len(stamps) < _BLOCKS // 4:
+    paths = {"camera_poses": measured[~held_out(len(measured))], **there}
+    for path in paths.values():
+        stamps = stamps[(stamps >= path.time_ns[0]) & (stamps <= path.time_ns[-1])]
+    if len(stamps) < _FEWEST or min(map(len, paths.values())) < _FEWEST:
         return NOT_COMPARED
     true = measured.motors[np.searchsorted(measured.time_ns, stamps)]
-    errors = {name: _apart(at_stamps(path, stamps), true) for name, path in paths.items()}
+    at_held_out = {name: PathCurve(path).at(stamps) for name, path in paths.items()}
+    errors = {name: _apart(predicted, true) for name, predicted in at_held_out.items()}
     position = np.stack([one[0] for one in errors.values()])
     good = np.any(position <= _OUTLIER * np.median(position, axis=1, keepdims=True), axis=0)
     errors = {name: (m[good], deg[good]) for name, (m, deg) in errors.items()}
@@ -116,17 +111,9 @@ def _common(paths: dict[str, Trajectory]) -> IntArray:
     return shared
 
 
-def _inside(paths: tuple[Trajectory, ...], stamps: IntArray) -> NDArray[np.bool_]:
-    """Whether every path has two poses on both sides, or one there."""
-    good = np.ones(len(stamps), dtype=np.bool_)
-    for path in paths:
-        row = np.searchsorted(path.time_ns, stamps)
-        good &= ((row > 1) & (row < len(path) - 1)) | np.isin(stamps, path.time_ns)
-        good &= len(path) >= 4
-    return good
-
-
-def _apart(estimated: Motor, true: Motor) -> tuple[FloatArray, FloatArray]:
+def _apart(
+    estimated: Motor | Similarity, true: Motor | Similarity
+) -> tuple[FloatArray, FloatArray]:
     return absolute_translation_m(estimated, true), np.rad2deg(rotation_rad(estimated, true))
 
 
@@ -145,7 +132,7 @@ def _compared(
         chance = True
         for which, shown in enumerate((unit, "°")):
             was, now = rms[before][which], rms[after][which]
-            surely = _beyond_chance(errors[before][which], errors[after][which])
+            surely = surely_grown(errors[before][which], errors[after][which], _CHANCE)
             if now > (1.0 + TOLERANCE) * was and (surely or judged_by == "ground truth"):
                 grown.append(_grown(was, now, shown))
                 chance = chance and not surely
@@ -182,39 +169,8 @@ def _reason(stage: str, fused: FusedPath) -> str:
     )
 
 
-def _beyond_chance(before: FloatArray, after: FloatArray) -> bool:
-    """Whether errors grew by a factor that segments of the recording do not have by chance.
-
-    Of differences of squares, a segment where the path is lost would hide how all others grew.
-    """
-    if len(before) < 2 * _BLOCKS:
-        return False
-    was, now = (
-        np.log([max(np.mean(part**2), _LEAST) for part in np.array_split(errors, _BLOCKS)])
-        for errors in (before, after)
-    )
-    grown = now - was
-    return bool(grown.mean() > _CHANCE * grown.std(ddof=1) / np.sqrt(_BLOCKS))
-
-
 def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
-
-
-EVERY = 5
-"""Of so many measured poses one is held out: its neighbours on both sides are kept, and those that
-a cubic takes besides."""
-FEWEST = 40
-"""Measured poses below which too few are held out (8) for a root mean square to mean anything."""
-REACH = 3.0
-"""A held-out pose with no kept one within so many usual intervals stands in a gap, where only
-prediction is judged, not the path."""
-
-
-def held_out(count: int) -> NDArray[np.bool_]:
-    """Which of so many measured poses ``(count,)`` are held out; none of a few."""
-    rows = np.arange(count) % EVERY == EVERY // 2
-    return rows if count >= FEWEST else np.zeros(count, dtype=np.bool_)
 
 
 def without_held_out(camera_poses: CameraPoses) -> CameraPoses | None:
@@ -227,41 +183,3 @@ def without_held_out(camera_poses: CameraPoses) -> CameraPoses | None:
     return replace(
         camera_poses, measurements=measurements, reprojection_px=camera_poses.reprojection_px[kept]
     )
-
-
-def judged_stamps(measured: Trajectory) -> IntArray:
-    """Stamps of held-out poses with kept ones near on both sides."""
-    out = held_out(len(measured))
-    kept_ns, stamps = measured.time_ns[~out], measured.time_ns[out]
-    after = np.searchsorted(kept_ns, stamps)
-    inside = (after > 1) & (after < len(kept_ns) - 1)
-    stamps, after = stamps[inside], after[inside]
-    usual_ns = float(np.median(np.diff(measured.time_ns)))
-    near: NDArray[np.bool_] = kept_ns[after] - kept_ns[after - 1] <= REACH * usual_ns
-    return stamps[near]
-
-
-def at_stamps(path: Trajectory, stamps: IntArray) -> Motor:
-    """Poses ``(n,)`` of a path: its own where it has some there, else the cubic of four neighbours.
-
-    The stamps have two poses of the path on both sides.
-    """
-    row = np.searchsorted(path.time_ns, stamps)
-    own = path.time_ns[np.minimum(row, len(path) - 1)] == stamps
-    first = np.clip(row - 2, 0, len(path) - 4)
-    rows = np.where(own[:, None], row[:, None], first[:, None] + np.arange(4))
-    base = path.motors[rows[:, 1]]
-    around = base[:, None].local(path.motors[rows])
-    times = (path.time_ns[rows] - stamps[:, None]) * 1e-9
-    weights = _lagrange(np.where(own[:, None], np.arange(4), times))  # of one pose, any would do
-    return base.retract(np.einsum("nk,nkc->nc", weights, around))
-
-
-def _lagrange(times: FloatArray) -> FloatArray:
-    """Weights ``(n, 4)`` of the cubic through times ``(n, 4)``, at zero."""
-    weights = np.ones_like(times)
-    for k in range(4):
-        for j in range(4):
-            if j != k:
-                weights[:, k] *= -times[:, j] / (times[:, k] - times[:, j])
-    return weights

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from motorcade.fusion.prediction import EQUAL, standard_errors
 from motorcade.fusion.smoothing.native import _columns
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -35,9 +36,6 @@ _EXACT = 14.0
 # V1_02 and synthetic motions.
 _NOISE_ALONE = 0.45
 _BAND, _FOLDS = np.pi * (np.arange(256) + 0.5) / 256, 2.0 * np.pi * np.arange(-2, 3)[:, None]
-# Predictions count as equal up to so many standard errors of their difference. Chosen on V1_02 and
-# synthetic motions.
-EQUAL = 1.0
 NO_JUMPS: IntArray = np.empty(0, dtype=np.int64)
 
 
@@ -364,12 +362,3 @@ def likelihoods(
         return np.full(len(squares), -np.inf)
     logarithms = sum(part[2] for part in innovations)
     return np.asarray(-0.5 * (rows * (np.log(squares / rows) + 1.0) + logarithms))
-
-
-def standard_errors(differences: FloatArray) -> FloatArray:
-    """Means of differences ``(*, N)``, in their standard errors; 0 where there are none."""
-    mean, count = np.mean(differences, axis=-1), differences.shape[-1]
-    square = np.einsum("...j,...j->...", differences, differences) / count
-    scatter = np.sqrt(np.maximum(square - mean**2, 0.0) / count)
-    behind = np.divide(mean, scatter, out=np.zeros_like(mean), where=scatter > 0.0)
-    return np.asarray(behind, dtype=np.float64)

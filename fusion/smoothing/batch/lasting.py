@@ -13,9 +13,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from motorcade.fusion.prediction import EQUAL, standard_errors
 from motorcade.fusion.smoothing.batch.columns import (
     COARSE,
-    EQUAL,
     FINE,
     ORDERS,
     ChosenColumn,
@@ -24,7 +24,6 @@ from motorcade.fusion.smoothing.batch.columns import (
     Prediction,
     likelihoods,
     ratio_of,
-    standard_errors,
 )
 from motorcade.ga.arrays import FloatArray
 

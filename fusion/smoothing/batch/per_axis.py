@@ -24,8 +24,8 @@ from math import lgamma, log
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.fusion.prediction import EQUAL
 from motorcade.fusion.smoothing.batch.columns import (
-    EQUAL,
     ORDERS,
     ColumnModel,
     ColumnSegment,

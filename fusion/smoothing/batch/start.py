@@ -8,12 +8,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.columns import (
-    EQUAL,
-    NO_JUMPS,
-    ColumnSegment,
-    standard_errors,
-)
+from motorcade.fusion.prediction import EQUAL, standard_errors
+from motorcade.fusion.smoothing.batch.columns import NO_JUMPS, ColumnSegment
 from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
 from motorcade.fusion.smoothing.batch.jumps import returned_levels, squares_left, with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back, mirrored_run

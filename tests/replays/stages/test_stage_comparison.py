@@ -19,12 +19,6 @@ from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
-from motorcade.replays.stages.stage_comparison import (
-    _beyond_chance,
-    at_stamps,
-    held_out,
-    judged_stamps,
-)
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.errors import PathErrors
 from tests.replays.stages.stamps import Stamps
@@ -88,19 +82,6 @@ def test_an_imu_that_harms_is_said_to(with_truth: bool, stream: ImuStream) -> No
     assert "the IMU contradicts the measured poses (mean NIS " in worse
 
 
-def test_a_segment_where_a_path_is_lost_does_not_hide_that_it_is_worse_everywhere() -> None:
-    rng = np.random.default_rng(7)
-    before, after = np.abs(rng.normal(0.0, 0.01, (2, 60)))
-    assert not _beyond_chance(before, after)
-    worse = 3.0 * after
-    assert _beyond_chance(before, worse)
-    worse[30:34] = 8.0
-    assert _beyond_chance(before, worse)
-    after[30:34] = 8.0
-    assert not _beyond_chance(before, after)
-    assert not _beyond_chance(np.zeros(60), np.zeros(60))
-
-
 @pytest.mark.parametrize("with_truth", [True, False])
 @pytest.mark.parametrize("inertial", [True, False])
 def test_smoothing_that_takes_away_motion_is_said_to(
@@ -158,28 +139,3 @@ def test_a_ground_truth_too_short_to_align_by_ends_no_run() -> None:
     assert "1 poses at stamps of the path, and 3 are needed" in told.unaligned
     assert told.against_truth == {}
     assert told.figures["motor"]["linear_jitter_m_s2"] is not None
-
-
-def test_between_poses_the_path_is_their_cubic() -> None:
-    seconds = np.arange(30) * 0.1
-    places = np.stack([seconds**3, -(seconds**2), seconds], axis=-1)
-    motors = Motor.from_rotor_translation(Motor.identity().rotor, places)
-    path = Trajectory(np.rint(seconds * 1e9).astype(np.int64), motors)
-    kept = path[np.arange(30) % 5 != 2]
-    stamps = path.time_ns[np.arange(30) % 5 == 2][1:-1]
-    found = at_stamps(kept, stamps)
-    np.testing.assert_allclose(
-        found.translation_m, places[np.isin(path.time_ns, stamps)], atol=1e-12
-    )
-    own = at_stamps(kept, kept.time_ns)
-    np.testing.assert_allclose(own.translation_m, kept.motors.translation_m, atol=1e-12)
-
-
-def test_held_out_poses_beside_a_gap_are_not_judged() -> None:
-    path = truth()[::3]
-    whole = judged_stamps(path)
-    seconds = path.time_s - path.time_s[0]
-    gap = judged_stamps(path[(seconds < 4.0) | (seconds > 6.0)])
-    assert len(whole) >= 46
-    assert not np.any((gap >= path.time_ns[0] + 4e9) & (gap <= path.time_ns[0] + 6e9))
-    assert not held_out(39).any()
