@@ -10,7 +10,7 @@ Sources: Lucas & Kanade 1981; Bouguet 2000 (pyramids); Kalal et al. 2010 (forwar
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
@@ -24,8 +24,10 @@ from motorcade.tracking.native._flow import Pyramid, follow_corners
 _NOISE_MASK = np.array([[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]], np.float32)
 _BLOCK_PX, _ROUNDING = 7, 12.0**-0.5
 """Side of the window about a corner whose gradients count; noise of whole grey levels alone."""
-_SOBEL_PX2 = 0.66
-"""Variance that Sobel's mask adds to a step's."""
+_WAVE = 0.6
+"""Of a cell, how wide its steps are where black and white follow as a wave: 2 / pi, less a bit."""
+_SOBEL_PX2, _SHARPEST_PX2 = 0.66, 0.25
+"""Variance that Sobel's mask adds to a step's; what a pixel's area and a lens blur at least."""
 
 
 def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
@@ -122,12 +124,37 @@ def blur_bias_px(image: GrayImage, quads: FloatArray, cell_share: float) -> Floa
     side_px = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=-1).mean(axis=1)
     levels = image.astype(np.float32)
     steep = np.hypot(*(cv2.Sobel(levels, -1, *axis, scale=0.125) for axis in ((1, 0), (0, 1))))
-    about = np.ones((2 * max(3, round(float(np.median(side_px)) / 4.0)) + 1,) * 2, np.uint8)
+    reach = max(3, round(min(2.0 * cell_share, 1.0) * float(np.median(side_px))))
+    about = np.ones((2 * reach + 1,) * 2, np.uint8)
     step = cv2.dilate(levels, about) - cv2.erode(levels, about)
     steepest = grey_levels(cv2.dilate(steep, about), quads)
     width_px = np.median(grey_levels(step, quads) / np.maximum(steepest, 1e-3), axis=1)
-    blur_px = np.sqrt(np.maximum(width_px**2 / (2.0 * np.pi) - _SOBEL_PX2, 0.01))
-    return np.asarray(blur_px / 3.0 * np.exp(-((cell_share * side_px / blur_px) ** 2) / 12.0))
+    blur_px = np.sqrt(np.maximum(width_px**2 / (2.0 * np.pi) - _SOBEL_PX2, _SHARPEST_PX2))
+    cell_px = cell_share * side_px
+    washed = width_px > _WAVE * cell_px  # nothing stays of cells but a wave: blurred at least so
+    blur_px = np.where(washed, np.maximum(blur_px, cell_px / 3.0), blur_px)
+    return np.asarray(blur_px / 3.0 * np.exp(-((cell_px / blur_px) ** 2) / 12.0))
+
+
+def print_noise_px(
+    images: Sequence[GrayImage], quads: Sequence[FloatArray], cell_share: float
+) -> tuple[float, float]:
+    """How far corners ``(m, 4, 2)`` of prints can scatter in images, and by blur alone, pixels.
+
+    Joins the medians of `corner_noise_px` and `blur_bias_px`; the cells are a marker's, or squares.
+
+    >>> import numpy as np
+    >>> from motorcade.tracking.images import print_noise_px
+    >>> image = np.pad(np.zeros((8, 8), np.uint8), 8, constant_values=200)
+    >>> quad = np.array([[[8.0, 8.0], [15.0, 8.0], [15.0, 15.0], [8.0, 15.0]]])
+    >>> print_noise_px([image], [quad], 0.125)[1] > 0.1
+    True
+    """
+    noise_px = corner_noise_px(images, [px.reshape(-1, 2) for px in quads])
+    seen = [pair for pair in zip(images, quads, strict=True) if len(pair[1])]
+    blurred = [blur_bias_px(image, px, cell_share) for image, px in seen]
+    bias_px = float(np.median(np.concatenate(blurred))) if blurred else 0.0
+    return float(np.hypot(noise_px, bias_px)), bias_px
 
 
 def shrunk(image: GrayImage, longest_px: int) -> GrayImage:

@@ -13,6 +13,8 @@ from tests.end_to_end.believed import judged
         ("loose.moved.1001", "do not stand still"),  # two slide: 0.3 m, at 0.7 px
         ("marker.noisy.2000", ""),  # surer of itself than four corners allow
         ("checkerboard.shuffled.7", ""),
+        ("grid.blurred.4410000", ""),  # blur draws corners aside, by more than noise lets them
+        ("loose.doubled.71001", ""),  # tags of nine pixels: their map's scale is no surer
     ],
 )
 def test_a_drawn_run_is_right_and_says_what_it_denies(name: str, said: str) -> None:
@@ -20,3 +22,9 @@ def test_a_drawn_run_is_right_and_says_what_it_denies(name: str, said: str) -> N
     assert outcome.right
     assert bool(outcome.doubts) == bool(said)
     assert all(said in doubt for doubt in outcome.doubts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["grid.doubled.4410000", "loose.doubled.5521002"])
+def test_ids_that_stand_there_twice_are_named(name: str) -> None:
+    assert any("twice" in doubt for doubt in judged(name).doubts)

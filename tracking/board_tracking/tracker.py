@@ -528,15 +528,34 @@ def with_pooled_noise(board_track: BoardTrack) -> BoardTrack:
     Args:
         board_track: with covariances as `refine` gives them.
     """
+    own, joined = _noise_px2(board_track)
+    measured = board_track.measurements
+    covariance = measured.covariance * (joined / own)[:, None, None]
+    return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
+
+
+def with_least_noise(board_track: BoardTrack, least_px: float) -> BoardTrack:
+    """The track with covariances for corners that scatter at least so far, residuals or not.
+
+    A pose follows what moves all corners of a print alike, as blur does: nothing of that is left.
+
+    Args:
+        board_track: with pooled noise.
+        least_px: standard deviation of a corner's coordinate.
+    """
+    measured, (_, joined) = board_track.measurements, _noise_px2(board_track)
+    covariance = measured.covariance * np.maximum(least_px**2 / joined, 1.0)[:, None, None]
+    return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
+
+
+def _noise_px2(board_track: BoardTrack) -> tuple[FloatArray, FloatArray]:
+    """Variances ``(N,)`` of a coordinate: each frame's own, and joined with the recording's."""
     count = np.array([len(observation.ids) for observation in board_track.observations])
     squares, freedom = count * board_track.error_px**2, np.maximum(2 * count - 6, 1)
     usual = float(squares.sum() / freedom.sum())
     least = SIGMA_FLOOR_PX**2
     own = np.maximum(squares / freedom, least)
-    joined = np.maximum((squares + _POOLED * usual) / (freedom + _POOLED), least)
-    measured = board_track.measurements
-    covariance = measured.covariance * (joined / own)[:, None, None]
-    return replace(board_track, measurements=PoseMeasurements(measured.trajectory, covariance))
+    return own, np.maximum((squares + _POOLED * usual) / (freedom + _POOLED), least)
 
 
 def guessed_turns(board: Board, board_track: BoardTrack) -> int:

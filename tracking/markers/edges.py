@@ -21,9 +21,13 @@ from motorcade.tracking.images import grey_levels
 _ALONG = np.linspace(0.12, 0.88, 20)
 _ACROSS = np.linspace(-1.0, 1.0, 15)
 _REACH_PX = (1.0, 3.5)
+_CLEAR, _OPEN = 0.6, 0.25
+"""Share of what is clear beside a side that is searched at most; and of the steepest step, from
+which on one at the end of the search is blur that reaches farther: more is searched then."""
 _MIDDLES = 0.5 * (_ACROSS[1:] + _ACROSS[:-1])
 _NEXT, _BEFORE = [1, 2, 3, 0], [3, 0, 1, 2]
-_ROUNDS = 2
+_ROUNDS, _SETTLED_PX = 12, 0.02
+"""Blur wider than what is searched across a side leaves each round a share of the way to go."""
 _FITS = 3
 _LEAST_STEP = 8.0  # grey levels across a side
 _OUTLIER_PX = 0.3
@@ -54,30 +58,42 @@ def refine_quads(
     places = quads.copy()
     sides = quads[:, _NEXT] - quads
     shortest = np.sqrt((sides * sides).sum(axis=-1).min(axis=1))
-    reach = np.clip(0.6 * clear_share * shortest, *_REACH_PX)
+    most = _CLEAR * clear_share * shortest
+    reach = np.clip(most, *_REACH_PX)
     good = _inside(image, quads, reach)
+    rows, sign = np.arange(len(quads)), -1.0 if white_inside else 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(_ROUNDS):
-            points, weights, seen = _side_points(
-                image, places, reach, -1.0 if white_inside else 1.0
-            )
+            points, weights, seen, blurred = _side_points(image, places[rows], reach[rows], sign)
             lines, spread = _fit_lines(_undistorted(points, camera), weights)
             crossed = _distorted(_crossings(lines), camera)
-            change = crossed - quads
-            shift_px = np.sqrt((change * change).sum(axis=-1).max(axis=1))
-            good &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1)
-            good &= shift_px < np.maximum(3.0, 2.0 * reach)
-            places = np.where(good[:, None, None], crossed, quads)
+            shift_px = _farthest(crossed, quads[rows])
+            good[rows] &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1)
+            good[rows] &= shift_px < np.maximum(3.0, 2.0 * reach[rows])
+            blurred &= reach[rows] < most[rows]
+            reach[rows] = np.where(blurred, np.minimum(2.0 * reach[rows], most[rows]), reach[rows])
+            moving = good[rows] & (blurred | (_farthest(crossed, places[rows]) > _SETTLED_PX))
+            places[rows] = np.where(good[rows, None, None], crossed, quads[rows])
+            rows = rows[moving]
+            if not len(rows):
+                break
     return places, good
+
+
+def _farthest(quads: FloatArray, others: FloatArray) -> FloatArray:
+    """How far ``(m,)`` the corner of a quad lies from another's that lies farthest."""
+    change = quads - others
+    return cast("FloatArray", np.sqrt((change * change).sum(axis=-1).max(axis=1)))
 
 
 def _side_points(
     image: GrayImage, quads: FloatArray, reach: FloatArray, outward_sign: float
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
+) -> tuple[FloatArray, FloatArray, NDArray[np.bool_], NDArray[np.bool_]]:
     """Where each side's brightness steps from black to white, outward (sign 1) or inward (-1).
 
     Returns:
-        points ``(m, 4, k, 2)``, weights ``(m, 4, k)``, and whether a side ``(m, 4)`` is there.
+        points ``(m, 4, k, 2)``, weights ``(m, 4, k)``, whether a side ``(m, 4)`` is there, and
+        whether steps ``(m,)`` go on beyond what is searched.
     """
     sides = quads[:, _NEXT] - quads
     outward = np.stack([sides[..., 1], -sides[..., 0]], axis=-1)
@@ -92,7 +108,9 @@ def _side_points(
     middle = reach[:, None, None] * ((sharpness @ _MIDDLES) / np.maximum(total, 1e-9))
     points = base + outward[:, :, None] * middle[..., None]
     seen = (steps.sum(axis=-1) >= _LEAST_STEP).mean(axis=-1) >= 0.6
-    return points, np.sqrt(total), seen
+    profile = steps.mean(axis=(1, 2))
+    blurred = profile[:, [0, -1]].max(axis=-1) > _OPEN * profile.max(axis=-1)
+    return points, np.sqrt(total), seen, blurred
 
 
 def _fit_lines(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:

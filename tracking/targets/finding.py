@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass, replace
 
@@ -21,6 +22,8 @@ from motorcade.tracking.targets.layouts import SeenMarkers, board_of_markers
 _ENOUGH_SHARE = 0.5
 """Of the images: markers seen in so many are not set against a checkerboard."""
 _MANY = 12
+_TWICE, _TWICE_SHARE = 2, 0.1
+"""Images in which an id stands twice, and their share of those that show it, beyond chance."""
 _LEAST_SHARE = 0.5
 """Of the images with a ChArUco board's markers, in which its corners must be found as well."""
 
@@ -38,6 +41,7 @@ class FoundTarget:
         images: rising indices of the images that show it.
         searched: how many were looked at.
         doubt: why it may be another; empty where nothing speaks against it.
+        twice: ids of those that stand twice in some images, rising.
 
     >>> from motorcade.tracking import Checkerboard
     >>> from motorcade.tracking.targets import find_target
@@ -53,6 +57,7 @@ class FoundTarget:
     images: tuple[int, ...]
     searched: int
     doubt: str = ""
+    twice: tuple[int, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -148,17 +153,40 @@ def seen_markers(
     >>> seen_markers("aruco_5x5_100", [image], {4, 5}).marker_ids
     (4, 5)
     """
-    markers = tuple(
-        _markers_of(
+    sharp = [
+        [
             detection
             for detection in detect_markers(image, family)
             if detection.sharp and (wanted is None or detection.marker_id in wanted)
-        )
+        ]
         for image in images
-    )
+    ]
+    markers = tuple(_markers_of(detections) for detections in sharp)
     ids = sorted({marker for one in markers for marker in one.ids.tolist()})
     shown = tuple(row for row, one in enumerate(markers) if len(one.ids))
-    return FoundTarget(None, family, tuple(ids), markers, shown, len(images))
+    twice = doubled_ids([[seen.marker_id for seen in detections] for detections in sharp])
+    return FoundTarget(None, family, tuple(ids), markers, shown, len(images), "", twice)
+
+
+def doubled_ids(ids: Sequence[Sequence[int]]) -> tuple[int, ...]:
+    """Ids that stand twice in images, of which there is more than one print: no chance readings.
+
+    Args:
+        ids: those of each image.
+
+    >>> from motorcade.tracking.targets.finding import doubled_ids
+    >>> doubled_ids([[4, 4, 7, 7], [4, 4, 7], [7]])
+    (4,)
+    """
+    shown = Counter(marker for one in ids for marker in set(one))
+    twice = Counter(marker for one in ids for marker, count in Counter(one).items() if count > 1)
+    return tuple(
+        sorted(
+            marker
+            for marker, count in twice.items()
+            if count >= _TWICE and count >= _TWICE_SHARE * shown[marker]
+        )
+    )
 
 
 def _marked(seen: SeenFamily, images: Sequence[GrayImage]) -> FoundTarget:

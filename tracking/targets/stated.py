@@ -39,7 +39,7 @@ _MANY, _MOST = 7, 0.5
 def compare_layout(
     board: Board, images: Sequence[GrayImage], camera: Camera | None = None
 ) -> AuditFinding | None:
-    """Compare the layout of a grid of markers, or of a ChArUco board, with images of it.
+    """Compare the layout of a board with images of it, and whether its markers stand there once.
 
     Args:
         board: as stated.
@@ -60,9 +60,12 @@ def compare_layout(
         return _counted(board, images)
     if isinstance(board, CircleGrid):
         return _circled(board, images)
-    if not isinstance(board, MarkerGrid | CharucoBoard):
+    if not isinstance(board, MarkerGrid | CharucoBoard | SingleMarker):
         return None
     seen = seen_markers(board.family, images)
+    doubled = _doubled(sorted({*seen.twice}.intersection(_ids(board))))
+    if isinstance(board, SingleMarker):
+        return doubled
     own = [_only(markers, _ids(board)) for markers in seen.markers]
     fits = [
         min(pair, key=lambda fit: fit.askew)
@@ -70,10 +73,11 @@ def compare_layout(
     ]
     if not fits:
         summary = "no image shows four of the board's markers that would tell its layout"
-        return AuditFinding(NAME, "unknown", None, "share", summary)
+        return doubled or AuditFinding(NAME, "unknown", None, "share", summary)
     wrong = float(np.mean([not fit.good for fit in fits]))
     if wrong <= _MOST:
-        return _details(board, [fit for fit in fits if fit.good])
+        details = _details(board, [fit for fit in fits if fit.good])
+        return doubled if doubled is not None and details.passed else details
     target = find_target(images)
     other = None if target is None else target.board
     if not isinstance(other, MarkerGrid | CharucoBoard):
@@ -87,6 +91,15 @@ def compare_layout(
         advice = "state the board as it is printed, or its markers as loose ones ([markers])"
         return AuditFinding(NAME, "contradicted", wrong, "share", summary, advice)
     return _otherwise(board, other, wrong)
+
+
+def _doubled(ids: Sequence[int]) -> AuditFinding | None:
+    """The finding on a board's ids that stand twice in images."""
+    if not ids:
+        return None
+    summary = f"of the board's markers {', '.join(map(str, ids[:4]))} stand twice in images"
+    advice = "leave one print of them in view: which was tracked is chance"
+    return AuditFinding(NAME, "doubtful", float(len(ids)), "markers", summary, advice)
 
 
 def _counted(board: Checkerboard, images: Sequence[GrayImage]) -> AuditFinding:
@@ -190,7 +203,9 @@ def name_target(images: Sequence[GrayImage], stated: Board | str) -> str:
     return f"{seen}; say {', '.join(keys)}" if keys else seen
 
 
-def _ids(board: MarkerGrid | CharucoBoard) -> range:
+def _ids(board: MarkerGrid | CharucoBoard | SingleMarker) -> range:
+    if isinstance(board, SingleMarker):
+        return range(board.marker_id, board.marker_id + 1)
     first = board.first_id if isinstance(board, MarkerGrid) else 0
     count = board.columns * board.rows
     return range(first, first + (count if isinstance(board, MarkerGrid) else (count + 1) // 2))

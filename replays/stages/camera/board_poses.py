@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -21,13 +22,19 @@ from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
     Board,
     BoardTrack,
+    MarkerGrid,
     PoseMeasurements,
+    SingleMarker,
     TrackingError,
     track_board,
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
-from motorcade.tracking.board_tracking.tracker import guessed_turns
-from motorcade.tracking.images import corner_noise_px
+from motorcade.tracking.board_tracking.tracker import guessed_turns, with_least_noise
+from motorcade.tracking.boards.circles import CircleGrid
+from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.images import corner_noise_px, print_noise_px
+from motorcade.tracking.markers.families import border_share
+from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.rolling import unrolled_track
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
@@ -66,6 +73,25 @@ def _guessed_turns(board: Board, tracked: BoardTrack) -> tuple[AuditFinding, ...
     return (AuditFinding("board_turns", "doubtful", float(guessed), "frames", summary, advice),)
 
 
+def _noise_px(
+    board: Board, images: Sequence[GrayImage], seen: Sequence[MarkerObservation]
+) -> float:
+    """How far corners can scatter in images of a board, by noise and by what blur mixes."""
+    if isinstance(board, CircleGrid):
+        return corner_noise_px(images, [sighted.corners_px for sighted in seen])
+    marked = isinstance(board, MarkerGrid | SingleMarker)
+    across = 4 if marked else int(np.count_nonzero(board.points_m[:, 1] == board.points_m[0, 1]))
+    quads = []
+    for sighted in seen:
+        px = np.full((len(board.points_m), 2), np.nan)
+        px[sighted.ids] = sighted.corners_px
+        grid = px.reshape(-1, across, 2)
+        sides = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
+        quad = grid if marked else np.stack(sides, axis=2).reshape(-1, 4, 2)
+        quads.append(quad[np.isfinite(quad).all(axis=(1, 2))])
+    return print_noise_px(images, quads, border_share(board.family) if marked else 1.0)[0]
+
+
 def board_poses(recording: Recording) -> BoardPoses:
     """Track the board that the recording names, through all its images.
 
@@ -102,17 +128,15 @@ def board_poses(recording: Recording) -> BoardPoses:
     audit, off_s = audited_board(recording, board, tracked)
     if off_s is not None:
         tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
-    seen = {sighted.time_ns: sighted for sighted in rolled.observations if sighted.time_ns in shown}
-    noise_px = corner_noise_px(
-        [shown[stamp] for stamp in seen], [sighted.corners_px for sighted in seen.values()]
-    )
+    seen = [sighted for sighted in rolled.observations if sighted.time_ns in shown]
+    noise_px = _noise_px(board, [shown[sighted.time_ns] for sighted in seen], seen)
     path = tracked.measurements.trajectory
-    drawn = ((shown[stamp], board, path.motors_at(np.int64(stamp))) for stamp in seen)
+    drawn = ((shown[at.time_ns], board, path.motors_at(np.int64(at.time_ns))) for at in seen)
     pixels = pixels_finding(drawn, camera, scatter_px(camera, noise_px))
     seconds = time.perf_counter() - start
     warn_of_contradictions(audit)
     audit = (pixels, *before, *audit, *_guessed_turns(board, tracked))
-    on_board = tracked.measurements
+    on_board = with_least_noise(tracked, noise_px).measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
         PoseMeasurements(in_world, on_board.covariance),

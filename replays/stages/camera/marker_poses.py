@@ -28,7 +28,7 @@ from motorcade.tracking import (
     detect_markers,
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
-from motorcade.tracking.images import blur_bias_px, corner_noise_px
+from motorcade.tracking.images import print_noise_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.families import border_share
@@ -45,6 +45,7 @@ from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene, map_scene
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.rolling import unrolled_stream
+from motorcade.tracking.targets.finding import doubled_ids
 from motorcade.tracking.targets.stated import name_target
 
 Refine = Literal["none", "photometric"]
@@ -81,16 +82,21 @@ def marker_poses(
     if isinstance(frames, CornerFrames) and frames.scene is not None and refine == "none":
         return _by_scene(frames, frames.scene, moving, start)
     seen = _seen_markers(recording, refine)
+    twice = tuple(marker for marker in seen.twice if marker not in moving)
     streams = without(seen.streams, moving)
+    once = without(streams, twice if seen.posed is None else ())
+    if any(len(stream) for stream in once.values()):
+        streams = once
     if not any(len(stream) for stream in streams.values()):
         raise TrackingError(
             f"frames: expected some that show a marker, got none{_instead(recording)}"
         )
     known = None if recording.markers is None else recording.markers.marker_map
-    shown, noise_px = {}, 0.0
+    shown, noise_px, scale_sigma = {}, 0.0, 0.0
     if recording.markers is not None and not isinstance(frames, CornerFrames):
         shown = {frame.time_ns: frame.gray() for frame in spread_frames(recording)}
-        noise_px = _noise_px(shown, streams[_ONLY], border_share(recording.markers.family))
+        noise_px, scale = _noise(shown, streams[_ONLY], border_share(recording.markers.family))
+        scale_sigma = scale if known is None else 0.0
     floor_px = max(noise_px, SIGMA_FLOOR_PX)
 
     def map_or_track(streams: Mapping[str, CornerStream]) -> MappedRecording:
@@ -101,7 +107,7 @@ def marker_poses(
         )
 
     mapped = map_or_track(streams)
-    audit: tuple[AuditFinding, ...] = ()
+    audit = (_doubled(twice),) if twice else ()
     limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
         restless = moving_markers(streams, mapped, map_or_track, limit_px)
@@ -109,7 +115,7 @@ def marker_poses(
             before_px = float(np.median(mapped.frame_error_px))
             streams = without(streams, restless)
             mapped = map_or_track(streams)
-            audit = (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
+            audit += (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
     if recording.readout_s and len(streams) == 1 and seen.posed is None:
         path = _of_camera(mapped, _ONLY).trajectory
         shutter_s = recording.shutter_s
@@ -128,7 +134,7 @@ def marker_poses(
         + ("" if recording.metric else "; their size is not known: lengths have no unit")
     )
     return MarkerPoses(
-        _of_camera(mapped, next(iter(streams))),
+        _of_camera(mapped, next(iter(streams)), scale_sigma),
         mapped.time_ns,
         mapped.frame_error_px,
         "markers",
@@ -150,13 +156,20 @@ def _instead(recording: Recording) -> str:
     return f"; {shown}" if shown else ""
 
 
-def _noise_px(shown: Mapping[int, ImageArray], stream: CornerStream, cell_share: float) -> float:
-    """How far noise and blur let the corners scatter that were seen in these images, by stamp."""
+def _noise(
+    shown: Mapping[int, ImageArray], stream: CornerStream, cell_share: float
+) -> tuple[float, float]:
+    """How far corners can scatter in these images, pixels, and sides by blur, as a share.
+
+    Blur draws all of a marker's images alike: their number does not make a map's scale surer.
+    """
     rows = [stream.corners_px[stream.time_ns[stream.frame] == stamp] for stamp in shown]
-    noise_px = corner_noise_px(shown.values(), [px.reshape(-1, 2) for px in rows])
-    seen = [pair for pair in zip(shown.values(), rows, strict=True) if len(pair[1])]
-    blurred = [blur_bias_px(image, px, cell_share) for image, px in seen]
-    return float(np.hypot(noise_px, np.median(np.concatenate(blurred)) if blurred else 0.0))
+    noise_px, bias_px = print_noise_px([*shown.values()], rows, cell_share)
+    quads = np.concatenate([np.zeros((0, 4, 2)), *rows])
+    if not len(quads):
+        return noise_px, 0.0
+    side_px = np.linalg.norm(quads - np.roll(quads, 1, axis=1), axis=-1)
+    return noise_px, float(np.sqrt(2.0) * bias_px / np.median(side_px))
 
 
 def _drawn(
@@ -175,6 +188,17 @@ def _drawn(
             marker_T_world = known.world_T_marker[place].inverse()
             marker = SingleMarker(family, int(known.marker_ids[place]), float(known.side_m[place]))
             yield image, marker, marker_T_world @ path.motors_at(np.int64(stamp))
+
+
+def _doubled(markers: tuple[int, ...]) -> AuditFinding:
+    """The finding on markers that were left aside since their ids stand twice."""
+    ids, several = " and ".join(map(str, markers)), len(markers) > 1
+    summary = f"marker{'s' * several} {ids} {'stand' if several else 'stands'} there twice"
+    advice = (
+        "no map can tell copies apart: print each id once, or say "
+        f"marker_poses.moving={','.join(map(str, markers))}"
+    )
+    return AuditFinding("doubled_markers", "doubtful", float(len(markers)), "ids", summary, advice)
 
 
 def _restless(markers: tuple[int, ...], before_px: float, left_px: float) -> AuditFinding:
@@ -224,12 +248,15 @@ def _by_scene(
 
 @dataclass(frozen=True, eq=False)
 class _SeenMarkers:
-    """Corners by camera, sides by marker, cameras on the rig, and poses where they were refined."""
+    """Corners by camera, sides by marker, cameras on the rig, poses where they were refined, and
+    ids that stand twice.
+    """
 
     streams: Mapping[str, CornerStream]
     side_m: Mapping[int, float]
     rig_T_camera: Mapping[str, Motor]
     posed: dict[str, MarkerObservations] | None = None
+    twice: tuple[int, ...] = ()
 
 
 def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
@@ -244,30 +271,32 @@ def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
             f"{recording.name}: no markers to look for; name their family in a manifest ([markers])"
         )
     loose = recording.markers
-    stream, observations = markers_found(recording, loose, refine)
+    stream, observations, twice = markers_found(recording, loose, refine)
     side_m = dict.fromkeys(np.unique(stream.marker_ids).tolist(), loose.side_m)
     posed = None if observations is None else {_ONLY: observations}
-    return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed)
+    return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed, twice)
 
 
-def _of_camera(mapped: MappedRecording, camera: str) -> PoseMeasurements:
-    """The rig's path and covariance, at one of its cameras."""
+def _of_camera(
+    mapped: MappedRecording, camera: str, scale_sigma: float = 0.0
+) -> PoseMeasurements:
+    """The rig's path and covariance at one of its cameras, with that of the map's scale."""
     rig_T_camera = mapped.rig_T_camera[camera]
     adjoint = rig_T_camera.inverse().adjoint()
     covariance = adjoint @ mapped.covariance @ adjoint.T + np.diag(_SIGMA_FLOOR**2)
-    return PoseMeasurements(
-        mapped.trajectory.transformed_by(right=rig_T_camera, child="camera"),
-        0.5 * (covariance + covariance.swapaxes(-1, -2)),
-    )
+    path = mapped.trajectory.transformed_by(right=rig_T_camera, child="camera")
+    away = scale_sigma * path.motors.inverse().translation_m
+    covariance[:, 3:, 3:] += away[:, :, None] * away[:, None]
+    return PoseMeasurements(path, 0.5 * (covariance + covariance.swapaxes(-1, -2)))
 
 
 def markers_found(
     recording: Recording, markers: LooseMarkers, refine: Refine = "none"
-) -> tuple[CornerStream, MarkerObservations | None]:
+) -> tuple[CornerStream, MarkerObservations | None, tuple[int, ...]]:
     """Detect the markers of every image; with refinement, both their poses as well.
 
     Where a frame has sharp corners the others are left out; so is an id that stands there twice,
-    since no map can tell its copies apart.
+    since no map can tell its copies apart. Ids that do so in several frames come last.
 
     Raises:
         NotOffered: no camera known.
@@ -275,25 +304,26 @@ def markers_found(
     """
     camera = camera_of(recording)
     frames, family = recording.frames, markers.family
-    ids, corners, refined = [], [], []
+    ids, corners, refined, read = [], [], [], []
     for frame in track(frames, "detecting", len(frames)):
         gray = frame.gray()
         seen = detect_markers(gray, family, camera)
         if markers.marker_map is not None:
             seen = refind_markers(gray, family, camera, markers.marker_map, seen)
         usable = _usable(seen)
+        read.append([detection.marker_id for detection in seen])
         ids.append(np.array([detection.marker_id for detection in usable], np.int64))
         corners.append(np.array([detection.corners_px for detection in usable]).reshape(-1, 4, 2))
         if refine == "photometric":
             sides = np.full(len(usable), markers.side_m)
             refined.append(_refined(gray, camera, family, ids[-1], corners[-1], sides))
     if refine == "photometric":
-        return joined_frames(camera, frames.time_ns, refined)
+        return *joined_frames(camera, frames.time_ns, refined), doubled_ids(read)
     rows = np.repeat(np.arange(len(ids)), [len(in_frame) for in_frame in ids])
     stream = CornerStream(
         camera, frames.time_ns, rows, np.concatenate(ids), np.concatenate(corners)
     )
-    return stream, None
+    return stream, None, doubled_ids(read)
 
 
 def _refined(*arguments: Any) -> RefinedFrame:

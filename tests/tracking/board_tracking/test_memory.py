@@ -69,6 +69,6 @@ def test_finding_loose_markers_keeps_no_images(
 ) -> None:
     frames = Sequence(images)
     recording = Recording("made", tmp_path, "images", frames, CAMERA)  # type: ignore[arg-type]
-    stream, _ = markers_found(recording, LooseMarkers("tag36h11", 0.1))
+    stream, *_ = markers_found(recording, LooseMarkers("tag36h11", 0.1))
     assert len(stream) > 2 * LATE
     assert 0 < frames.bytes_a_frame < 0.05 * IMAGE_BYTES

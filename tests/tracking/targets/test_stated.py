@@ -79,6 +79,16 @@ def test_a_board_that_is_as_stated_is_not_doubted(board: MarkerGrid) -> None:
     assert found.verdict == "consistent", found.sentence
 
 
+@pytest.mark.parametrize("board", [GRID, SingleMarker("tag36h11", 7, 0.1)])
+def test_a_board_whose_markers_stand_there_twice_is_doubted(board: MarkerGrid) -> None:
+    print_ = cv2.GaussianBlur(board.draw(pixels_per_m=800.0)[0], (0, 0), 0.6)
+    once, twice = np.pad(print_, 20, constant_values=200), np.hstack([print_, print_])
+    for shown, doubted in (([once] * 4, False), ([once, twice, twice, once], True)):
+        finding = compare_layout(board, shown)
+        assert (finding is not None and not finding.passed) == doubted
+        assert not doubted or "stand twice in images" in finding.sentence  # type: ignore[union-attr]
+
+
 def test_of_few_markers_nothing_is_told() -> None:
     few = MarkerGrid("tag36h11", 3, 1, 0.05, 0.02)
     found = compare_layout(few, images(few, 1))
