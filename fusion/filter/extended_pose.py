@@ -16,7 +16,7 @@ Over a step Δt the moving frame's rate and force are taken as constant, and
     R' = R ΔR,   v' = v + g Δt + R Δv,   p' = p + v Δt + ½ g Δt² + R Δp
 
 holds exactly. ΔR, Δv, Δp and their derivatives are written once, in
-`motorcade.fusion.filter.model.motion`; this calls the C that is generated from them.
+`motorcade.fusion.filter.model.definitions`; this calls the C that is generated from them.
 """
 
 from __future__ import annotations

@@ -2,22 +2,37 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.fusion.filter.fitting import fit_noise
 from motorcade.fusion.filter.fused import Fused
-from motorcade.fusion.filter.health import fused_health
 from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.filter.unjudged import fuse_unjudged
-from motorcade.fusion.imu.noise import ImuNoise
+from motorcade.fusion.health.check import check_health
+from motorcade.fusion.health.verdict import Health, HealthFinding
+from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S, ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements.interface import Measurements
-from motorcade.ga import Motor
-from motorcade.ga.arrays import IntArray
+from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements
+
+log = logging.getLogger("motorcade.fuse")
+
+# Where more is refused than accepted, what was accepted is no more than an opinion.
+_MOST_REFUSED = 0.5
+_BEYOND = 4.0  # deviations of what is known of a bias
+_KNOWN_TURN_RAD = 0.6
+"""A turn to the second order, as the filter has it, is off by a third of its cube: a fourteenth of
+a radian here. From there on a Gaussian of an attitude is no longer one of the place that it turns:
+with only an altitude after one pose, squared errors of the smoothed path are 0.1 of what is stated
+where the attitude is known to 33°, 2 to 5 times it at 50°, 24 times at 75°."""
+_EXTRINSICS_AND_OFFSET = slice(17, 24)
 
 
 def fuse(
@@ -113,7 +128,7 @@ def fuse(
         state_covariances=state_covariances,
     )
     inputs = measurements.trajectory, imu, imu_T_camera, time_offset_s, chosen
-    return replace(fused, health=fused_health(*inputs, fused), noise=noise)
+    return replace(fused, health=_fused_health(*inputs, fused), noise=noise)
 
 
 def checked_lag(lag_s: float, smoothed: bool) -> float:
@@ -127,3 +142,102 @@ def checked_lag(lag_s: float, smoothed: bool) -> float:
     if not smoothed and 0.0 < lag_s < np.inf:
         raise ValueError(f"lag_s: expected none where nothing looks ahead, got {lag_s}")
     return lag_s if smoothed else 0.0
+
+
+def _fused_health(
+    camera: Trajectory,
+    imu: ImuStream,
+    imu_T_camera: Motor,
+    time_offset_s: float,
+    settings: FilterSettings,
+    fused: Fused,
+) -> Health:
+    """Whether inputs agree, then what came of them; it logs what is wrong. See `check_health`."""
+    of_inputs = check_health(
+        camera,
+        imu,
+        imu_T_camera,
+        time_offset_s=time_offset_s,
+        gravity_m_s2=settings.gravity_m_s2,
+        lean_sigma_rad=settings.gravity_sigma_rad,
+        extrinsics_sigma_rad=settings.extrinsics_sigma_rad,
+        time_offset_sigma_s=settings.time_offset_sigma_s,
+    )
+    covered = _covariance_findings(
+        fused.trajectory.time_ns, fused.covariance, fused.state_covariance
+    )
+    accepted = fused.accepted[np.isfinite(fused.nis)]
+    biases = fused.gyro_bias_rad_s, fused.accel_bias_m_s2
+    health = _with_outcome(of_inputs, accepted, *biases, covered)
+    for finding in health.findings:
+        if finding.fault != "deviations_modelled":
+            log.warning("%s", finding.summary)
+    return health
+
+
+def _with_outcome(
+    health: Health,
+    accepted: NDArray[np.bool_],
+    gyro_bias_rad_s: FloatArray,
+    accel_bias_m_s2: FloatArray,
+    covered: list[HealthFinding],
+) -> Health:
+    """The verdict with what the estimate shows; biases, where nothing that explains them was found,
+    and more than half of the measured poses ``(M,)`` refused.
+    """
+    biases = [] if health.findings else _biases(gyro_bias_rad_s, accel_bias_m_s2)
+    findings = [*health.findings, *biases, *covered]
+    refused = int(np.count_nonzero(~accepted))
+    if refused > _MOST_REFUSED * len(accepted):
+        advice = "" if findings else ": check their covariances and the IMU's noise densities"
+        line = f"{refused} of {len(accepted)} poses were refused{advice}"
+        findings.append(HealthFinding("measurements_refused", line))
+    return Health(tuple(findings), health.unknown)
+
+
+def _biases(gyro_bias_rad_s: FloatArray, accel_bias_m_s2: FloatArray) -> list[HealthFinding]:
+    findings = []
+    gyro, accel = (
+        float(np.median(np.linalg.norm(bias, axis=-1)))
+        for bias in (gyro_bias_rad_s, accel_bias_m_s2)
+    )
+    if gyro > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
+        line = (
+            f"the gyroscope's bias came out as {gyro:.2g} rad/s, where {GYRO_BIAS_SIGMA_RAD_S:g} "
+            "are usual: check its unit, the extrinsics and the stamps"
+        )
+        findings.append(HealthFinding("rate_bias", line))
+    if accel > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
+        line = (
+            f"the accelerometer's bias came out as {accel:.2g} m/s², where "
+            f"{ACCEL_BIAS_SIGMA_M_S2:g} are usual: check its unit, gravity and the extrinsics"
+        )
+        findings.append(HealthFinding("force_bias", line))
+    return findings
+
+
+def _covariance_findings(
+    time_ns: IntArray, covariance: FloatArray, state_covariance: FloatArray
+) -> list[HealthFinding]:
+    """What covariances of a path's poses and states, where there are some, do not cover."""
+    findings = []
+    variances = np.einsum("nii->ni", covariance[:, :3, :3])
+    turn_rad = np.sqrt(variances.max(axis=1, initial=0.0))
+    lost = np.flatnonzero(turn_rad > _KNOWN_TURN_RAD)
+    if lost.size:
+        first_s, last_s = (time_ns[lost[[0, -1]]] - time_ns[0]) * 1e-9
+        line = (
+            f"from {first_s:.1f} to {last_s:.1f} s the attitude is known to "
+            f"{np.rad2deg(turn_rad.max()):.0f}° only: poses and covariances cannot be relied on "
+            "there, nor before where they look ahead; measure poses or directions too"
+        )
+        findings.append(HealthFinding("attitude_unknown", line))
+    estimated = np.einsum("nii->ni", state_covariance)[:, _EXTRINSICS_AND_OFFSET]
+    if np.any(estimated > 0.0):
+        line = (
+            "deviations of extrinsics and offset hold for a sensor that errs by noise and biases "
+            "alone: on recorded flights squared errors were 4 to 79 times theirs; those of "
+            "synchronise cover axes and clocks that differ"
+        )
+        findings.append(HealthFinding("deviations_modelled", line))
+    return findings

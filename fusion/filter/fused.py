@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.filter.sourced import Judgement
-from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream

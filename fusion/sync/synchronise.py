@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.health.check import check_health
-from motorcade.fusion.health.stamps import check_stamps
+from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.health.turning import (
     LEAST_OVERLAP_S,
     CameraRates,

@@ -78,8 +78,8 @@ def add_smooth(commands: Commands) -> None:
 def smooth_files(arguments: argparse.Namespace) -> None:
     """Read, smooth, write; say what "auto" picked and, where asked, what changed."""
     from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
-    from motorcade.fusion.smoothing.changes import changes
     from motorcade.fusion.smoothing.methods import parsed_parameters
+    from motorcade.fusion.smoothing.results import changes
     from motorcade.replays.cli.arguments import check_known, print_json
     from motorcade.replays.tasks.editing import refuse_inputs, trajectory_names, write_trajectories
 

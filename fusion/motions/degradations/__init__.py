@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.motions.degradations.base import Degradation, InTurn
 from motorcade.fusion.motions.degradations.poses import (
+    Degradation,
     Gaussian,
+    InTurn,
     Outliers,
     PlanarFlips,
     Quantised,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.motions.degradations.base import (
+from motorcade.fusion.motions.degradations.poses import (
     Degradation,
     check_number,
     check_runs,

@@ -19,7 +19,7 @@ from motorcade.fusion.metrics.jitter import accelerations
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import smooth
-from motorcade.fusion.smoothing.euler import EULER_ORDERS, best_euler_order
+from motorcade.fusion.smoothing.representations import EULER_ORDERS, best_euler_order
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.versors.euler_angles import lock_levers

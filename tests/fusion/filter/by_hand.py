@@ -1,7 +1,7 @@
 """What inertial samples do to an extended pose, by matrices of sines and cosines: a witness.
 
-The product writes the same over multivectors (`motorcade.fusion.filter.model.motion`). Here a bias
-of the gyroscope turns the force to first order in the step only.
+The product writes the same over multivectors (`motorcade.fusion.filter.model.definitions`). Here a
+bias of the gyroscope turns the force to first order in the step only.
 """
 
 from __future__ import annotations

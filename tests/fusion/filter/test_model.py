@@ -18,9 +18,8 @@ from tests.fusion.filter.by_hand import GRAVITY, Intervals, increments, moved, t
 
 pytest.importorskip("casadi")
 
-from motorcade.fusion.filter.model.emit import GENERATED, model_files
-from motorcade.fusion.filter.model.measurements import MEASUREMENTS
-from motorcade.fusion.filter.model.motion import MOTION
+from motorcade.fusion.filter.model.__main__ import GENERATED, model_files
+from motorcade.fusion.filter.model.definitions import MEASUREMENTS, MOTION
 
 Call = Callable[..., list[FloatArray]]
 

@@ -7,7 +7,7 @@ from motorcade.fusion.metrics import jitter
 from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips, StampJitter
 from motorcade.fusion.smoothing import REPRESENTATIONS, choose, smooth, smoothed_automatically
-from motorcade.fusion.smoothing.changes import changes
+from motorcade.fusion.smoothing.results import changes
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 

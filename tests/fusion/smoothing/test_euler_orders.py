@@ -15,9 +15,12 @@ from motorcade.fusion.smoothing import (
     smoothed_automatically,
     smoothed_states,
 )
-from motorcade.fusion.smoothing.euler import EULER_ORDERS, best_euler_order
 from motorcade.fusion.smoothing.native import _scans
-from motorcade.fusion.smoothing.representations import representation_named
+from motorcade.fusion.smoothing.representations import (
+    EULER_ORDERS,
+    best_euler_order,
+    representation_named,
+)
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.versors.euler_angles import SEQUENCES, lock_levers

@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.fusion.metrics import Align, evaluate, match, rotation_rad
 from motorcade.fusion.smoothing import choose, smooth
-from motorcade.fusion.smoothing.changes import changes
+from motorcade.fusion.smoothing.results import changes
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.trajectories import read_trajectory
