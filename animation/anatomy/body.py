@@ -140,7 +140,8 @@ def body_from(
         skin: centre ``(J, 3)`` of the vertices that follow each joint, NaN where there are none.
 
     >>> import numpy as np
-    >>> from motorcade.animation.anatomy import JointTree, body_from
+    >>> from motorcade.animation.anatomy.body import body_from
+    >>> from motorcade.animation.anatomy.tree import JointTree
     >>> leg = np.array([[0.1, 0, 0.9], [0.11, 0, 0.5], [0.1, 0, 0.1], [0.1, -0.1, 0.0]])
     >>> at = np.concatenate([[[0, 0, 1.0]], leg, leg * [-1, 1, 1]])  # a figure that faces -y
     >>> tree = JointTree(tuple("abcdefghi"), np.array([-1, 0, 1, 2, 3, 0, 5, 6, 7]), at)

@@ -168,7 +168,7 @@ class JointTree:
         carries: ``(J,)`` whether a joint or one below it carries a mesh; None where unknown.
 
     >>> import numpy as np
-    >>> from motorcade.animation.anatomy import JointTree
+    >>> from motorcade.animation.anatomy.tree import JointTree
     >>> at = np.array([[0, 0, 1.0], [0.1, 0, 1], [-0.1, 0, 1], [0.1, 0, 0.5], [-0.1, 0.4, 0.7]])
     >>> tree = JointTree(("a", "b", "c", "d", "e"), np.array([-1, 0, 0, 1, 2]), at)
     >>> tree.limb_pairs[0].chains.tolist()

@@ -1,9 +1,9 @@
 """Scene authoring: objects turned, moved and grown by drags, on rotors or on Euler angles."""
 
-from motorcade.animation.authoring.editing.drags import Drag, Snapping
-from motorcade.animation.authoring.editing.editor import SceneEditor, replay
-from motorcade.animation.authoring.editing.edits import Edit
-from motorcade.animation.authoring.editing.gestures import (
+from motorcade.animation.authoring.drags import Drag, Snapping
+from motorcade.animation.authoring.editor import SceneEditor, replay
+from motorcade.animation.authoring.edits import Edit
+from motorcade.animation.authoring.gestures import (
     AnchorsStand,
     Dragged,
     Gesture,

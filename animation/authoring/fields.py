@@ -8,12 +8,19 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import fields
 from pathlib import Path
 from reprlib import Repr
 from typing import Any
 
-from motorcade.animation.authoring import parts
-from motorcade.animation.easing import FADE_S
+from motorcade.animation.authoring.parts import (
+    JointKeyframe,
+    SceneAnchor,
+    SceneKeyframe,
+    SceneLayer,
+    ScenePart,
+    SceneWalk,
+)
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.files import read_bounded
@@ -129,14 +136,16 @@ def short(value: object) -> str:
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
-def anchor_json(anchor: parts.SceneAnchor) -> dict[str, Any]:
+def _changed(value: Any, *names: str) -> dict[str, Any]:
+    """Those fields of a dataclass that are not what they are when left out."""
+    defaults = {field.name: field.default for field in fields(value)}
+    own = {name: getattr(value, name) for name in names}
+    return {name: entry for name, entry in own.items() if entry != defaults[name]}
+
+
+def anchor_json(anchor: SceneAnchor) -> dict[str, Any]:
     """As an entry of `anchors`."""
-    fields: dict[str, Any] = {"on": anchor.on}
-    if anchor.marker is not None:
-        fields["marker"] = anchor.marker
-    if anchor.floor_m:
-        fields["floor_m"] = anchor.floor_m
-    return fields
+    return {"on": anchor.on, **_changed(anchor, "marker", "floor_m")}
 
 
 def pose_json(pose: Similarity) -> dict[str, Any]:
@@ -148,31 +157,24 @@ def pose_json(pose: Similarity) -> dict[str, Any]:
     }
 
 
-def part_json(part: parts.ScenePart) -> dict[str, Any]:
+def part_json(part: ScenePart) -> dict[str, Any]:
     """What an object has besides its name, parent and pose."""
-    fields: dict[str, Any] = {}
-    if part.height_m is not None:
-        fields["height_m"] = part.height_m
-    if part.clip is not None:
-        fields["clip"] = part.clip
-    if part.clip_start_s:
-        fields["clip_start_s"] = part.clip_start_s
+    said = _changed(part, "height_m", "clip", "clip_start_s")
     if part.layers:
-        fields["layers"] = [layer_json(one) for one in part.layers]
+        said["layers"] = [layer_json(one) for one in part.layers]
     if part.walk is not None:
-        fields["walk"] = _walk_json(part.walk)
+        said["walk"] = _walk_json(part.walk)
     if part.keyframes:
-        fields["keyframes"] = [_keyframe_json(one) for one in part.keyframes]
-    if part.interpolation != "motor":
-        fields["interpolation"] = part.interpolation
+        said["keyframes"] = [_keyframe_json(one) for one in part.keyframes]
+    said |= _changed(part, "interpolation")
     if part.joint_keyframes:
-        fields["joint_keyframes"] = [_pose_of_joints_json(one) for one in part.joint_keyframes]
+        said["joint_keyframes"] = [_pose_of_joints_json(one) for one in part.joint_keyframes]
     if part.visible_s is not None:
-        fields["visible"] = list(part.visible_s)
-    return fields
+        said["visible"] = list(part.visible_s)
+    return said
 
 
-def _keyframe_json(scene_keyframe: parts.SceneKeyframe) -> dict[str, Any]:
+def _keyframe_json(scene_keyframe: SceneKeyframe) -> dict[str, Any]:
     keyframe_json = {"time_s": scene_keyframe.time_s, **pose_json(scene_keyframe.parent_T_object)}
     if scene_keyframe.angles_deg is not None:
         del keyframe_json["wxyz"]
@@ -180,31 +182,17 @@ def _keyframe_json(scene_keyframe: parts.SceneKeyframe) -> dict[str, Any]:
     return keyframe_json
 
 
-def _pose_of_joints_json(joint_keyframe: parts.JointKeyframe) -> dict[str, Any]:
+def _pose_of_joints_json(joint_keyframe: JointKeyframe) -> dict[str, Any]:
     joints = {name: rotor.as_quaternion().tolist() for name, rotor in joint_keyframe.rotors.items()}
-    pose: dict[str, Any] = {"time_s": joint_keyframe.time_s, "joints": joints}
-    if joint_keyframe.end_s is not None:
-        pose["end_s"] = joint_keyframe.end_s
-    return pose
+    return {"time_s": joint_keyframe.time_s, "joints": joints, **_changed(joint_keyframe, "end_s")}
 
 
-def layer_json(layer: parts.SceneLayer) -> dict[str, Any]:
+def layer_json(layer: SceneLayer) -> dict[str, Any]:
     """As an entry of `layers`."""
-    fields: dict[str, Any] = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
-    if layer.additive:
-        fields["additive"] = True
-    if layer.start_s:
-        fields["start_s"] = layer.start_s
-    if layer.end_s is not None:
-        fields["end_s"] = layer.end_s
-    if layer.fade_s != FADE_S:
-        fields["fade_s"] = layer.fade_s
-    return fields
+    said = {"clip": layer.clip, "joints": layer.joints, "weight": layer.weight}
+    return said | _changed(layer, "additive", "start_s", "end_s", "fade_s")
 
 
-def _walk_json(walk: parts.SceneWalk) -> dict[str, Any]:
-    walk_json: dict[str, Any] = {"path_m": walk.path_m.tolist(), "start_s": walk.start_s}
-    if walk.speed_m_s is not None:
-        walk_json["speed_m_s"] = walk.speed_m_s
-    walk_json["gaits"] = list(walk.gaits)
-    return walk_json
+def _walk_json(walk: SceneWalk) -> dict[str, Any]:
+    said = {"path_m": walk.path_m.tolist(), "start_s": walk.start_s}
+    return said | _changed(walk, "speed_m_s") | {"gaits": list(walk.gaits)}

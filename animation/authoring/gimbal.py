@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.animation.authoring.editing.drags import Drag
-from motorcade.animation.authoring.editing.editor import SceneEditor
+from motorcade.animation.authoring.drags import Drag
+from motorcade.animation.authoring.editor import SceneEditor
 from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, VersorObjectPose
 from motorcade.animation.authoring.scene import Scene
 from motorcade.ga import Rotor

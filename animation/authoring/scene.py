@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -12,12 +12,17 @@ import numpy as np
 
 from motorcade.animation.authoring.fields import anchor_json, part_json, pose_json
 from motorcade.animation.authoring.parts import SceneAnchor, ScenePart, between_keyframes
-from motorcade.animation.authoring.poses import EulerObjectPose, ObjectPose, pose_of
+from motorcade.animation.authoring.poses import (
+    EulerObjectPose,
+    ObjectPose,
+    VersorObjectPose,
+    pose_of,
+)
 from motorcade.ga import Similarity
 from motorcade.ga.arrays import FloatArray
 
 SCHEMA, VERSION = "motorcade-scene", 1
-_NOWHERE: Mapping[str, Similarity] = MappingProxyType({})
+NOWHERE: Mapping[str, Similarity] = MappingProxyType({})
 DEEPEST = 64
 _GROUP = ScenePart()
 
@@ -120,7 +125,7 @@ class Scene:
         self,
         name: str,
         time_s: float | FloatArray | None = None,
-        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
+        world_T_anchor: Mapping[str, Similarity] = NOWHERE,
     ) -> Similarity:
         """Where the frame stands in which an object has its pose.
 
@@ -149,7 +154,7 @@ class Scene:
         self,
         name: str,
         time_s: float | FloatArray | None = None,
-        world_T_anchor: Mapping[str, Similarity] = _NOWHERE,
+        world_T_anchor: Mapping[str, Similarity] = NOWHERE,
     ) -> Similarity:
         """Where an object stands in the world; over times ``(T,)`` the path that it takes, a batch
         unless neither it nor what carries it moves. See `world_T_parent`.
@@ -228,6 +233,20 @@ class Scene:
             scene.__dict__.pop("keyframe_count", None)
         return scene
 
+    def without(self, names: Iterable[str]) -> Scene:
+        """The scene without some objects, on which nothing else may hang."""
+        fields = {field: dict(getattr(self, field)) for field in ("parents", "poses", "parts")}
+        for name in names:
+            for entries in fields.values():
+                entries.pop(name, None)
+        return self.but(**fields)
+
+    @property
+    def pose_kind(self) -> type[ObjectPose]:
+        """What the scene holds poses as."""
+        first = next(iter(self.poses.values()), None)
+        return EulerObjectPose if isinstance(first, EulerObjectPose) else VersorObjectPose
+
     def on_euler_angles(self) -> Scene:
         """The same scene with poses held as Euler angles."""
         poses = {
@@ -260,3 +279,19 @@ class Scene:
             **pose_json(self.poses[name].as_similarity()),
             **part_json(part),
         }
+
+
+def in_order(parents: Mapping[str, str | None], anchors: Mapping[str, Any]) -> dict[str, Any]:
+    """The same, each parent before its children, else in their order."""
+    ordered: dict[str, str | None] = {}
+    waiting: dict[str, list[str]] = {}
+    for name, parent in parents.items():
+        if parent is not None and parent not in ordered and parent not in anchors:
+            waiting.setdefault(parent, []).append(name)
+            continue
+        ready = [name]
+        while ready:
+            next_name = ready.pop()
+            ordered[next_name] = parents[next_name]
+            ready.extend(reversed(waiting.pop(next_name, [])))
+    return ordered

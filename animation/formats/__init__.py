@@ -23,13 +23,13 @@ from motorcade.animation.formats.gltf import (
 )
 from motorcade.animation.formats.limits import FormatError, NoMeshError, expected
 from motorcade.animation.formats.md5 import read_md5_mesh, read_md5_motion
-from motorcade.animation.formats.rig import (
-    Rig,
+from motorcade.animation.formats.rig.assemble import (
     SkeletalMotion,
-    Wanted,
     assemble_character,
     assemble_motion,
 )
+from motorcade.animation.formats.rig.stance import Wanted
+from motorcade.animation.formats.rig.values import Rig
 from motorcade.ga.names import did_you_mean
 
 __all__ = [

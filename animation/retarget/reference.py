@@ -31,8 +31,8 @@ from itertools import product
 
 import numpy as np
 
-from motorcade.animation.anatomy import Body, JointTree, body_from
-from motorcade.animation.anatomy.tree import SIDES
+from motorcade.animation.anatomy.body import Body, body_from
+from motorcade.animation.anatomy.tree import SIDES, JointTree
 from motorcade.animation.ik import Leg
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import UP, along_axes, axes_along, shortest_turn, turn_z, unit

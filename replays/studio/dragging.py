@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.animation.authoring import Drag, Dragged, Edit, Scene, Snapping
-from motorcade.animation.authoring.editing.drags import Kind, dragged
+from motorcade.animation.authoring.drags import Kind, dragged
 from motorcade.animation.authoring.pointing import (
     DragPlane,
     JointDrag,

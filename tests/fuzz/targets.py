@@ -153,7 +153,7 @@ TARGETS: dict[str, Callable[[Path], Target]] = {
         "motorcade.animation.authoring.scene_file", "read_scene", "a.json", _SCENE, _TURNED, _EULER
     ),
     "guided-drags": _file(
-        "motorcade.animation.authoring.editing.gestures",
+        "motorcade.animation.authoring.gestures",
         "read_gestures",
         "a",
         _DRAGS,

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.animation.anatomy import Body, JointTree, body_from
+from motorcade.animation.anatomy.body import Body, body_from
+from motorcade.animation.anatomy.tree import JointTree
 from motorcade.animation.clip import Clip
 from motorcade.animation.formats.limits import FormatError, expected
 from motorcade.animation.formats.rig.joints import (

@@ -46,7 +46,7 @@ class Transforms:
         blocks: (*, 3, 3) the true blocks where some are no multiple of a rotation, else None.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import Transforms
+    >>> from motorcade.animation.formats.rig.values import Transforms
     >>> wxyz, translation = np.array([1.0, 0.0, 0.0, 0.0]), np.array([0.0, 100.0, 0.0])
     >>> parent_T_node = Transforms.from_parts(wxyz, translation, scales=np.array([2.0, 2.0, 2.0]))
     >>> parent_T_node.as_matrices()[:3]
@@ -187,7 +187,7 @@ class NodeTree:
         FormatError: no nodes, more than the limit, or deeper than the limit.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import NodeTree, Transforms
+    >>> from motorcade.animation.formats.rig.values import NodeTree, Transforms
     >>> rest = Transforms.from_matrices(np.broadcast_to(np.eye(4), (3, 4, 4)))
     >>> tree = NodeTree(("hips", "thigh_l", "thigh_r"), np.array([-1, 0, 0]), rest)
     >>> [level.tolist() for level in tree.levels]
@@ -229,7 +229,7 @@ class Skin:
         inverse_bind: (M, 4, 4), `joint_T_mesh` in the pose in which the mesh was bound.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import Skin
+    >>> from motorcade.animation.formats.rig.values import Skin
     >>> mesh_T_joint = np.stack([np.eye(4), np.eye(4)])
     >>> mesh_T_joint[1, :3, 3] = [0.0, 0.0, 0.4]  # where the second joint stood when it was bound
     >>> skin = Skin(np.array([3, 4]), np.linalg.inv(mesh_T_joint))
@@ -288,7 +288,7 @@ class RigSurface:
             axis; None where the file does not say.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import RigSurface
+    >>> from motorcade.animation.formats.rig.values import RigSurface
     >>> corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     >>> flag = RigSurface("flag", 0, corners, None, np.array([[0, 1, 2]]), np.ones((3, 3)))
     >>> flag.skin is None  # it hangs on node 0
@@ -329,7 +329,7 @@ class RigClip:
             between.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import RigClip
+    >>> from motorcade.animation.formats.rig.values import RigClip
     >>> turns = np.broadcast_to([1.0, 0.0, 0.0, 0.0], (2, 1, 4))  # two keys, one node
     >>> places = np.array([[[0.0, 0.0, 0.0]], [[10.0, 0.0, 0.0]]])
     >>> clip = RigClip.of_all_nodes("slide", np.array([0.0, 1.0]), turns, places)
@@ -377,8 +377,9 @@ class Rig:
         settled: whether its zero is the ground, as in files that `write_gltf` wrote.
 
     >>> import numpy as np
-    >>> from motorcade.animation.formats.rig import NodeTree, Rig, Transforms, assemble_motion
-    >>> from motorcade.animation.formats.rig import Wanted
+    >>> from motorcade.animation.formats.rig.assemble import assemble_motion
+    >>> from motorcade.animation.formats.rig.stance import Wanted
+    >>> from motorcade.animation.formats.rig.values import NodeTree, Rig, Transforms
     >>> file_T_node = np.stack([np.eye(4), np.eye(4)])
     >>> file_T_node[1, :3, 3] = [0.0, 0.5, 0.0]  # y is up in this file
     >>> tree = NodeTree(("hips", "head"), np.array([-1, 0]), Transforms.from_matrices(file_T_node))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Skeleton, mannequin
-from motorcade.animation.anatomy import JointTree, body_from
+from motorcade.animation.anatomy.body import body_from
+from motorcade.animation.anatomy.tree import JointTree
 from motorcade.animation.retarget import body_of
 from motorcade.animation.vectors import UP
 from motorcade.ga import Rotor

@@ -133,7 +133,7 @@ def test_hostile_files_are_refused(tmp_path):
 
 
 def test_more_gestures_than_the_limit_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("motorcade.animation.authoring.editing.gestures.MOST_GESTURES", 2)
+    monkeypatch.setattr("motorcade.animation.authoring.gestures.MOST_GESTURES", 2)
     path = _gestures(tmp_path, *[{"do": "undo"}] * 3)
     with pytest.raises(ValueError, match="expected at most 2 gestures, got more"):
         read_gestures(path)

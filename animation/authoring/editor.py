@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation.authoring.editing.drags import Amount, Drag, Snapping, dragged, held
-from motorcade.animation.authoring.editing.edits import Edit
-from motorcade.animation.authoring.editing.gestures import (
+from motorcade.animation.authoring.drags import Amount, Drag, Snapping, dragged, held
+from motorcade.animation.authoring.edits import Edit
+from motorcade.animation.authoring.gestures import (
     AnchorsStand,
     Dragged,
     Gesture,

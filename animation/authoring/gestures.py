@@ -24,8 +24,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Literal
 
-from motorcade.animation.authoring.editing.drags import FRAMES, KINDS, Amount, Drag
-from motorcade.animation.authoring.editing.edits import EDITS, Edit
+from motorcade.animation.authoring.drags import FRAMES, KINDS, Amount, Drag
+from motorcade.animation.authoring.edits import EDITS, Edit
 from motorcade.animation.authoring.fields import (
     listed,
     number,

@@ -1,1 +1,0 @@
-"""Scenes edited: drags, edits, a history of steps, and the files that say what was done."""
