@@ -6,11 +6,13 @@ an order in which parents come first.
 """
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor, Similarity, Versor, kernels
 from motorcade.ga.arrays import IntArray
@@ -164,3 +166,12 @@ def turned_joint(poses: Motor, joint: int, rotor: Rotor) -> Motor:
     """Local poses (*, J) in which a joint stays where it is, turned as `rotor` (*) says."""
     shift_m = poses[..., joint].translation_m
     return with_joint(poses, joint, Motor.from_rotor_translation(rotor, shift_m))
+
+
+def at_or_below(parents: IntArray, joints: int | Sequence[int]) -> NDArray[np.bool_]:
+    """Whether each joint (J,) is one of some, or hangs below one; parents stand first."""
+    held = np.zeros(len(parents), dtype=bool)
+    held[joints] = True
+    for joint, parent in enumerate(parents.tolist()):
+        held[joint] |= parent >= 0 and held[parent]
+    return held

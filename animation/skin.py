@@ -25,8 +25,8 @@ Source: Wareham and Lasenby, "Mesh vertex pose and position interpolation using 
 (2008); weights after Shepard (1968). Logarithms are taken the short way, so motors that differ by
 close to half a turn must not stand side by side.
 
-It does what `Clip.at`, `blend_poses` and `palette` do one after another, without the values between
-them: two clips sampled, blended and posed take a few microseconds.
+`PoseRuntime` does what `Clip.at`, `blend_poses` and `palette` do one after another, compiled: two
+clips sampled, blended and posed take a few microseconds.
 """
 
 from __future__ import annotations

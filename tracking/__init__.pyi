@@ -31,9 +31,9 @@ from .markers.mapping.estimate import track_rig as track_rig
 from .markers.marker_map import MarkerMap as MarkerMap
 from .markers.poses import pose_marker as pose_marker
 from .measurements import PoseMeasurements as PoseMeasurements
-from .planes.finding import find_planes as find_planes
-from .planes.finding import find_planes_in_depth as find_planes_in_depth
 from .planes.plane import Plane as Plane
+from .planes.plane import find_planes as find_planes
+from .planes.plane import find_planes_in_depth as find_planes_in_depth
 from .pose import TrackingError as TrackingError
 from .self_calibration.boards import self_calibrate_board as self_calibrate_board
 from .self_calibration.boards import self_calibrate_tags as self_calibrate_tags

@@ -165,7 +165,6 @@ class JointTree:
         names: J names.
         parents: ``(J,)``, −1 for roots.
         at: ``(J, 3)`` places in one pose, in any unit.
-        carries: ``(J,)`` whether a joint or one below it carries a mesh; None where unknown.
 
     >>> import numpy as np
     >>> from motorcade.animation.anatomy.tree import JointTree
@@ -178,7 +177,6 @@ class JointTree:
     names: tuple[str, ...]
     parents: IntArray
     at: FloatArray
-    carries: IntArray | None = None
 
     @cached_property
     def children(self) -> list[list[int]]:
@@ -239,8 +237,6 @@ class JointTree:
         return limbs
 
     def _longest(self, joints: list[int]) -> list[int]:
-        if self.carries is not None:
-            joints = [joint for joint in joints if self.carries[joint]]
         return sorted(joints, key=lambda joint: -(self.reach[joint] + self.bone[joint]))[
             :MOST_BRANCHES
         ]

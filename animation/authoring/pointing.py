@@ -22,11 +22,11 @@ from numpy.typing import ArrayLike
 
 from motorcade.animation.authoring.poses import checked_vector
 from motorcade.animation.ik import Ball, Hinge, IkSolver, PoseGoal
-from motorcade.animation.ik.chain import JointKind
+from motorcade.animation.ik.chain import JointKind, checked_direction
 from motorcade.animation.retarget import body_of
 from motorcade.animation.retarget.reference import ancestors
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.vectors import perpendicular
+from motorcade.animation.vectors import perpendicular, unit
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, frozen
 
@@ -75,7 +75,8 @@ class Ray:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin_m", frozen(checked_vector(self.origin_m, "Ray.origin_m")))
-        object.__setattr__(self, "direction", checked_direction(self.direction, "Ray.direction"))
+        direction = frozen(checked_direction(self.direction, "Ray.direction"))
+        object.__setattr__(self, "direction", direction)
 
     def seen_from(self, frame_T_here: Similarity) -> Ray:
         """The same ray in another frame."""
@@ -102,7 +103,8 @@ class DragPlane:
     def __post_init__(self) -> None:
         point = frozen(checked_vector(self.point_m, "DragPlane.point_m"))
         object.__setattr__(self, "point_m", point)
-        object.__setattr__(self, "normal", checked_direction(self.normal, "DragPlane.normal"))
+        normal = frozen(checked_direction(self.normal, "DragPlane.normal"))
+        object.__setattr__(self, "normal", normal)
 
     def met_by(self, ray: Ray) -> FloatArray:
         """Where a ray meets the plane, ``(3,)``.
@@ -119,20 +121,6 @@ class DragPlane:
         if not abs(height) < HORIZON * size * abs(slope):
             raise OutOfReach("the finger points above the horizon of the plane: expected below it")
         return ray.origin_m + (height / slope) * ray.direction
-
-
-def checked_direction(value: ArrayLike, name: str) -> FloatArray:
-    """A vector ``(3,)`` at length 1.
-
-    Raises:
-        ValueError: another shape, NaN or infinity, no direction.
-    """
-    vector = checked_vector(value, name)
-    most = float(np.abs(vector).max())
-    if not most > 0.0:
-        raise ValueError(f"{name}: expected a direction, got {vector}")
-    scaled = vector / most  # so that no square overflows, or comes to nothing
-    return frozen(scaled / np.linalg.norm(scaled))
 
 
 # The sine of an angle between ray and axis below which a pixel is no longer a place on the axis.
@@ -423,21 +411,16 @@ def _hinge(skeleton: Skeleton, at: Motor, joint: int, below: int, bend: float) -
     """An elbow or a knee in the plane in which it is bent; None where none is to be told."""
     parent = int(skeleton.parents[joint])
     rest = skeleton.rest_world
-    upper = _unit(at.translation_m[joint] - at.translation_m[parent])
-    lower = _unit(at.translation_m[below] - at.translation_m[joint])
+    upper = unit(at.translation_m[joint] - at.translation_m[parent])
+    lower = unit(at.translation_m[below] - at.translation_m[joint])
     across = np.cross(upper, lower)
     bent = float(np.arctan2(np.linalg.norm(across), upper @ lower))
     rotor = at[joint].rotor
     if np.linalg.norm(across) < _STRAIGHT:
-        resting = _unit(rest.translation_m[below] - rest.translation_m[joint])
+        resting = unit(rest.translation_m[below] - rest.translation_m[joint])
         across, rotor = np.cross(resting, [bend, 0.0, 0.0]), rest[joint].rotor
         if np.linalg.norm(across) < _STRAIGHT:
             return None
         bent = 0.0
-    axis = rotor.inverse().apply(_unit(across))
+    axis = rotor.inverse().apply(unit(across))
     return Hinge(axis, -bent, max(_FULL_BEND_RAD - bent, 0.0))
-
-
-def _unit(vector: FloatArray) -> FloatArray:
-    length = float(np.linalg.norm(vector))
-    return vector / length if length > 0.0 else vector

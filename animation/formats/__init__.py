@@ -6,7 +6,8 @@ files outside the folder are refused, and whatever is wrong is a `FormatError`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -92,13 +93,9 @@ def read_character(
     motorcade.animation.formats.limits.FormatError: figure.docx: suffix: expected one of .glb, ...
     """
     file = Path(path)
-    try:
+    with _named(file):
         rig = _without(_rig(file, unit_m), hide)
         return assemble_character(rig, Wanted(unit_m, up, front))
-    except FormatError as fault:
-        raise fault.in_file(file) from fault
-    except ValueError as fault:  # what Skeleton, Clip or Character refuse
-        raise FormatError(str(fault)).in_file(file) from fault
 
 
 def _without(rig: Rig, hide: Sequence[str]) -> Rig:
@@ -131,11 +128,18 @@ def read_motion(
         FormatError: see `read_character`; no joints.
     """
     file = Path(path)
-    try:
+    with _named(file):
         return assemble_motion(_rig(file, unit_m), Wanted(unit_m, up, front))
+
+
+@contextmanager
+def _named(file: Path) -> Iterator[None]:
+    """Whatever is refused is a FormatError that begins with the name of the file."""
+    try:
+        yield
     except FormatError as fault:
         raise fault.in_file(file) from fault
-    except ValueError as fault:
+    except ValueError as fault:  # what Skeleton, Clip or Character refuse
         raise FormatError(str(fault)).in_file(file) from fault
 
 

@@ -28,10 +28,10 @@ from numpy.typing import NDArray
 from motorcade.animation.character import Character
 from motorcade.animation.easing import smootherstep, smoothstep
 from motorcade.animation.ik.chain import bend_limb
-from motorcade.animation.skeleton import Skeleton, turned_joint, with_joint
+from motorcade.animation.skeleton import Skeleton, at_or_below, turned_joint, with_joint
 from motorcade.animation.vectors import UP, shortest_turn, turn_z
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray
 
 # The clearance of a swinging foot as a share of the leg's length, as toes of walkers have it at the
 # least (13 mm, Winter 1992), and at most so much of the way that the foot goes in the swing.
@@ -528,8 +528,8 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
     for leg in legs:
         ankle, ball = leg.foot(skeleton)
         along = (at[ball] - at[ankle])[:2]
-        of_toes = np.isin(heaviest, _below(skeleton.parents, ball))
-        of_foot = np.isin(heaviest, _below(skeleton.parents, ankle)) & ~of_toes
+        of_toes = at_or_below(skeleton.parents, ball)[heaviest]
+        of_foot = at_or_below(skeleton.parents, ankle)[heaviest] & ~of_toes
         sole = character.vertices[low & (of_foot | of_toes)]
         if len(sole) and np.any(along):
             share = (sole[:, :2] - at[ankle, :2]) @ along / (along @ along)
@@ -539,15 +539,6 @@ def fitted_legs(legs: Sequence[Leg], character: Character) -> list[Leg]:
             leg = replace(leg, foot_m=foot, toes_m=toes)
         fitted.append(leg)
     return fitted
-
-
-def _below(parents: IntArray, joint: int) -> list[int]:
-    """A joint and those that hang on it."""
-    below = [joint]
-    for number in range(joint + 1, len(parents)):
-        if parents[number] in below:
-            below.append(number)
-    return below
 
 
 def _outermost(points: FloatArray) -> tuple[tuple[float, float, float], ...]:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.ik.chain import Hinge, JointKind, checked_direction
 from motorcade.animation.native import _ik
-from motorcade.animation.skeleton import Skeleton
+from motorcade.animation.skeleton import Skeleton, at_or_below
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import (
     FloatArray,
@@ -272,7 +272,7 @@ class IkSolver:
             np.stack([axes for _, axes, _ in rows]),
             np.stack([limits for *_, limits in rows]),
         )
-        self._led = _below(skeleton, numbers)
+        self._led = at_or_below(skeleton.parents, numbers)
 
     @property
     def size_m(self) -> float:
@@ -383,14 +383,6 @@ def _bone(skeleton: Skeleton, joint: int) -> FloatArray:
     if len(children) != 1:
         return np.zeros(3)
     return np.asarray(skeleton.rest[int(children[0])].translation_m, dtype=np.float64)
-
-
-def _below(skeleton: Skeleton, numbers: Sequence[int]) -> list[bool]:
-    """Of each joint, whether it is, or hangs on, one of those."""
-    below: list[bool] = []
-    for joint, parent in enumerate(skeleton.parents):
-        below.append(joint in numbers or (parent >= 0 and below[parent]))
-    return below
 
 
 # How heavy goals may be, and how far away: beyond that squares of what is left overflow.

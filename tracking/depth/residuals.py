@@ -23,7 +23,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera, DepthImage
-from motorcade.tracking.planes.finding import depth_sigma_m
+from motorcade.tracking.planes.plane import depth_sigma_m
 
 GLOBALS = 8
 """Logarithms of the scales of both focal lengths (colour, depth), then a twist of the depth camera

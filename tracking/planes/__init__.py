@@ -1,7 +1,12 @@
 """Planes of a scene for placement: found in map points or depth; up is weighed by them."""
 
-from motorcade.tracking.planes.finding import FoundPlanes, find_planes, find_planes_in_depth
-from motorcade.tracking.planes.plane import Plane, fit_plane
+from motorcade.tracking.planes.plane import (
+    FoundPlanes,
+    Plane,
+    find_planes,
+    find_planes_in_depth,
+    fit_plane,
+)
 from motorcade.tracking.planes.upward import (
     FlatSurface,
     UpEstimate,

@@ -38,8 +38,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
-from motorcade.tracking.planes.finding import INLIER
-from motorcade.tracking.planes.plane import Plane
+from motorcade.tracking.planes.plane import INLIER, Plane
 
 # Deviations of points in units of the noise that was searched with: 1.73 where a band is filled
 # evenly, 1.2 to 1.7 in what is picked from drawn leaves, trunks and boxes of points, 0.6 to 1.1 in

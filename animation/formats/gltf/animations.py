@@ -43,6 +43,7 @@ from motorcade.animation.formats.rig.values import (
     stepped,
     with_times,
 )
+from motorcade.animation.skeleton import at_or_below
 from motorcade.ga.arrays import FloatArray, IntArray
 
 
@@ -105,13 +106,12 @@ def nodes_of_scene(document: Document, nodes: Nodes) -> NDArray[np.bool_]:
     if not document.entries("scenes"):
         return np.ones(len(nodes.number), dtype=bool)
     scene = document.entry("scenes", document.root.get("scene", 0), "scene")
-    shown = np.zeros(len(nodes.number), dtype=bool)
-    for entry in listed(scene.get("nodes", []), "scene.nodes"):
-        node = integer(entry, "scene.nodes", 0, len(shown) - 1)
-        shown[nodes.number[node]] = True
-    for node, parent in enumerate(nodes.tree.parents.tolist()):
-        shown[node] |= parent >= 0 and shown[parent]
-    return shown
+    last = len(nodes.number) - 1
+    roots = [
+        nodes.number[integer(entry, "scene.nodes", 0, last)]
+        for entry in listed(scene.get("nodes", []), "scene.nodes")
+    ]
+    return at_or_below(nodes.tree.parents, roots)
 
 
 def _parents_first(parent: list[int], children: list[list[int]]) -> list[int]:

@@ -14,7 +14,7 @@ from motorcade.animation.formats.rig.joints import Binding, JointPoses, Joints, 
 from motorcade.animation.formats.rig.stance import Stance, Wanted, growing
 from motorcade.animation.formats.rig.surfaces import BoundMesh, bound_mesh
 from motorcade.animation.formats.rig.values import Rig, RigClip, scaled_matrices
-from motorcade.animation.skeleton import Skeleton, local_poses
+from motorcade.animation.skeleton import Skeleton, at_or_below, local_poses
 from motorcade.animation.vectors import turn_z, unit
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -254,7 +254,7 @@ class Soles:
         heaviest = mesh.joints[np.arange(len(mesh.joints)), np.argmax(mesh.weights, axis=1)]
         lowest_rows: list[IntArray] = []
         for foot in _feet(stage):
-            below = _below(stage, foot)
+            below = at_or_below(stage.joints.parents, foot)
             rows = np.flatnonzero(below[heaviest])
             if len(rows) < FEWEST_VERTICES:
                 lowest_rows = []
@@ -320,10 +320,10 @@ class Soles:
 
 def standing_joints_m(stage: Stance, rig: Rig, height_m: float) -> float:
     """Height on which the joints of feet stand in clips without a mesh; 0 where near zero."""
-    feet = [joint for foot in _feet(stage) for joint in np.flatnonzero(_below(stage, foot))]
+    feet = np.flatnonzero(at_or_below(stage.joints.parents, _feet(stage)))
     lows = [
         np.quantile(_places(stage, nodes)[:, feet, 2].min(axis=1), LOW_SHARE)
-        for nodes in (stage.seen(rig) if feet else [])
+        for nodes in (stage.seen(rig) if len(feet) else [])
     ]
     lowest = float(np.median(lows)) if lows else 0.0
     return lowest if abs(lowest) > IN_THE_AIR * height_m else 0.0
@@ -390,13 +390,3 @@ def _feet(stage: Stance) -> list[int]:
     if body.four_legged:
         wanted += ["left_hand", "right_hand"]
     return [body.roles[role] for role in wanted if role in body.roles]
-
-
-def _below(stage: Stance, joint: int) -> FloatArray:
-    """Whether each joint (J,) is another or hangs below it."""
-    below = np.zeros(len(stage.joints.nodes), dtype=bool)
-    below[joint] = True
-    for number, parent in enumerate(stage.joints.parents.tolist()):
-        if parent >= 0:
-            below[number] |= below[parent]
-    return below
