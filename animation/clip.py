@@ -212,7 +212,7 @@ class Clip:
     def _check_loop(self, times: FloatArray) -> None:
         if times.size < 2:
             raise ValueError(f"Clip '{self.name}': a loop needs two samples or more, got one")
-        gap = float(np.max(np.abs(_gap(self.poses))))
+        gap = 2.0 * float(np.max(np.abs((self.poses[0].inverse() @ self.poses[-1]).log())))
         if gap > LOOP_TOLERANCE:
             raise ValueError(
                 f"Clip.poses of '{self.name}': expected the last pose of a loop to equal the "
@@ -255,11 +255,6 @@ class Clip:
         if self.looped:
             return np.asarray(first + np.mod(wanted - first, last - first))
         return np.clip(wanted, first, last)
-
-
-def _gap(poses: Poses) -> FloatArray:
-    """Coordinates of what lies between the first poses and the last."""
-    return -2.0 * (poses[0].inverse() @ poses[-1]).log()
 
 
 def _between(poses: Poses, before: IntArray, fraction: FloatArray) -> Poses:

@@ -265,7 +265,8 @@ def hung(
     if part.walk is not None:
         flat = np.column_stack([part.walk.path_m, np.zeros(len(part.walk.path_m))])
         path = new_T_old.apply(flat)
-        if np.ptp(path[:, 2]) > _FLAT * np.abs(path).max() or _tilted(new_T_old):
+        tilted = new_T_old.rotor.apply([0.0, 0.0, 1.0])[2] < 1.0 - _FLAT
+        if tilted or np.ptp(path[:, 2]) > _FLAT * np.abs(path).max():
             raise ValueError(f"parent: expected a plane like that in which '{name}' walks")
         part = replace(part, walk=replace(part.walk, path_m=path[:, :2]))
     keys = tuple(
@@ -274,10 +275,6 @@ def hung(
     )
     rehung = rehung.with_pose(name, there(scene.poses[name].as_similarity()))
     return rehung.with_part(name, replace(part, keyframes=keys)) if name in scene.parts else rehung
-
-
-def _tilted(motion: Similarity) -> bool:
-    return float(motion.rotor.apply([0.0, 0.0, 1.0])[2]) < 1.0 - _FLAT
 
 
 def _with(scene: Scene, rows: Sequence[tuple[str, str | None, ObjectPose, ScenePart]]) -> Scene:

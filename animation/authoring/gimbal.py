@@ -77,6 +77,7 @@ def _row(pitch_deg: float, name: str, asked_deg: float) -> GimbalRow:
     by_euler = _dragged(held, axis, asked)
     by_rotor = _dragged(VersorObjectPose(held.as_similarity()), axis, asked)
     rotation = (before.inverse() @ by_euler).as_rotation_vector()
+    across = np.cross(axis, rotation)
     little = before @ Rotor.from_rotation_vector(np.radians(0.1) * axis)
     run = little.as_euler() - before.as_euler()
     run = np.abs((run + np.pi) % (2.0 * np.pi) - np.pi)
@@ -86,7 +87,7 @@ def _row(pitch_deg: float, name: str, asked_deg: float) -> GimbalRow:
         asked_deg,
         _between_deg(wanted, by_rotor),
         _between_deg(wanted, by_euler),
-        _angle_deg(np.sign(asked) * axis, rotation),
+        float(np.degrees(np.arctan2(np.linalg.norm(across), np.sign(asked) * axis @ rotation))),
         float(np.degrees(run.max())),
     )
 
@@ -100,8 +101,3 @@ def _dragged(pose: ObjectPose, axis: FloatArray, angle_rad: float) -> Rotor:
 
 def _between_deg(rotor: Rotor, other: Rotor) -> float:
     return float(np.degrees((rotor.inverse() @ other).angle()))
-
-
-def _angle_deg(value: FloatArray, other: FloatArray) -> float:
-    across = float(np.linalg.norm(np.cross(value, other)))
-    return float(np.degrees(np.arctan2(across, value @ other)))

@@ -321,7 +321,7 @@ class Gaze:
         if head is None or first is None or skeleton.parents[first] < 0:
             raise ValueError("look_at: neither bones nor names tell the character's head")
         line = [head] if neck is None else [neck, head]
-        eyes = _eyes(skeleton, head)
+        eyes = [eye for eye in named_eyes(skeleton.names) if skeleton.parents[eye] == head]
         swing, turn = SWING_RAD / len(line), TURN_RAD / len(line)
         joints = {
             skeleton.names[joint]: Ball(swing, (-turn, turn), axis=_inside(skeleton, joint, UP))
@@ -365,11 +365,6 @@ class Gaze:
 def _inside(skeleton: Skeleton, joint: int, direction: FloatArray) -> FloatArray:
     """A direction of the figure at rest in a joint's frame."""
     return np.asarray(skeleton.rest_world[joint].rotor.inverse().apply(direction))
-
-
-def _eyes(skeleton: Skeleton, head: int) -> list[int]:
-    """Joints of eyes that hang on the head itself, by their names."""
-    return [joint for joint in named_eyes(skeleton.names) if skeleton.parents[joint] == head]
 
 
 def _between_eyes(character: Character, head: int, eyes: list[int]) -> FloatArray:

@@ -105,12 +105,6 @@ class Words:
             raise expected(field, "finite numbers up to 1e9", "others")
         return values
 
-    def skip_block(self) -> None:
-        """Pass over a block in braces."""
-        self.need("{")
-        while self.word("a closing brace") != "}":
-            pass
-
 
 def opened(path: Path) -> Words:
     """The words of an MD5 file after its version and command line.
@@ -353,8 +347,9 @@ def _motion(path: Path) -> tuple[tuple[str, ...], IntArray, Transforms, RigClip]
     if frames * joints > MAX_POSES:
         raise expected("numFrames", f"at most {MAX_POSES} poses", frames * joints)
     names, parents, flags, starts = _hierarchy(words, joints, width)
-    words.need("bounds")
-    words.skip_block()
+    words.need("bounds", "{")
+    while words.word("a closing brace") != "}":
+        pass
     words.need("baseframe", "{")
     base = words.floats(6 * joints, "baseframe").reshape(joints, 6)
     words.need("}")

@@ -10,7 +10,6 @@ from functools import lru_cache
 from importlib.resources import as_file, files
 
 from motorcade.animation.character import Character
-from motorcade.animation.clip import MorphTarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import checked_positive
@@ -66,14 +65,10 @@ def _scaled(figure: Character, scale: float) -> Character:
         vertices=scale * figure.vertices,
         clips=tuple(replace(clip, poses=_larger(clip.poses, scale)) for clip in figure.clips),
         found_pose=None,
-        morphs=tuple(_larger_target(target, scale) for target in figure.morphs),
+        morphs=tuple(replace(one, positions=scale * one.positions) for one in figure.morphs),
     )
 
 
 def _larger(poses: Motor | Similarity, scale: float) -> Motor:
     """The same turns with all distances scaled."""
     return Motor.from_rotor_translation(poses.rotor, scale * poses.translation_m)
-
-
-def _larger_target(target: MorphTarget, scale: float) -> MorphTarget:
-    return replace(target, positions=scale * target.positions)

@@ -375,11 +375,6 @@ def _hinge(
     return ASSUMED_FINGER_BEND * by_hand + np.where(plausible, hinge, 0.0)
 
 
-def from_motion(match: Match) -> dict[int, Rotor]:
-    """The constant turn of each matched joint of the target, told by the source's motion alone."""
-    return _Motion(match).constants()
-
-
 class _Motion:
     """The source's motion seen from its own heading, and what it tells of each joint."""
 
@@ -499,7 +494,7 @@ def constants(match: Match) -> dict[int, Rotor]:
     """The constant turn of each matched joint of the target, in the source's joint frame."""
     if match.one_rig:
         return dict.fromkeys(match.joints, Rotor.identity())
-    return _from_rests(match) if match.comparable else from_motion(match)
+    return _from_rests(match) if match.comparable else _Motion(match).constants()
 
 
 def _from_rests(match: Match) -> dict[int, Rotor]:

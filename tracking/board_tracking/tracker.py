@@ -263,7 +263,8 @@ class BoardTracker:
     def _located(self, image: GrayImage) -> tuple[_Fit | None, Literal["detected", "tracked"]]:
         """Track the board, search for it where that fails or is due, and keep the better."""
         tracked = self._tracked(image)
-        if tracked is not None and tracked.pose.error_px > self._worst_error_px():
+        worst_px = max(_GOOD_ERROR_PX, _WORSE_FACTOR * self._search_error_px)
+        if tracked is not None and tracked.pose.error_px > worst_px:
             tracked = None
         self._since_search += 1
         if tracked is not None and not self._search_due(tracked):
@@ -292,9 +293,6 @@ class BoardTracker:
     def _left_share(self, tracked: _Fit) -> float:
         """How many corners are left of those in the frame before."""
         return len(tracked.corners) / len(self._fit.corners) if self._fit else 1.0
-
-    def _worst_error_px(self) -> float:
-        return max(_GOOD_ERROR_PX, _WORSE_FACTOR * self._search_error_px)
 
     def _detected(self, image: GrayImage) -> _Fit | None:
         corners = self.board.detect(image, self.camera)

@@ -209,12 +209,12 @@ class DepthLinks:
         px = np.concatenate([np.zeros((0, 2)), *(grids[a][0] for a, _ in pairs)])
         inverse = np.concatenate([np.zeros(0), *(grids[a][1] for a, _ in pairs)])
         frames = FrameMatrices(state)
-        there = _brought(frames, first, second, px, inverse)[3]
+        _, relative, _, there = _brought(frames, first, second, px, inverse)
         planes, at = surfaces.at(second, state.depth.camera.project(there, allow_nan=True))
         own, own_px = surfaces.at(first, px)
         facing = frames.planes(planes, at)
-        relative = _depth_motion(frames, first, second)
-        own_facing = np.einsum("nij,nj->ni", relative[:, :3, :3], frames.planes(own, own_px))
+        turned = (frames.depth_T_colour @ relative @ frames.colour_T_depth)[:, :3, :3]
+        own_facing = np.einsum("nij,nj->ni", turned, frames.planes(own, own_px))
         lengths = np.linalg.norm(facing, axis=-1) * np.linalg.norm(own_facing, axis=-1)
         apart = np.abs(np.sum(facing * there, axis=-1) - 1.0) / np.linalg.norm(facing, axis=-1)
         near = np.sum(facing * own_facing, axis=-1) > _COSINE * lengths
@@ -234,12 +234,11 @@ class DepthLinks:
         point, relative, other, there = _brought(
             frames, self.first, self.second, self.px, self.inverse
         )
-        facing = frames.planes(self.planes, self.plane_px)
-        facing = facing / np.linalg.norm(facing, axis=-1, keepdims=True)
         plane = frames.planes(self.planes, self.plane_px)
-        distance = (np.sum(plane * there, axis=-1) - 1.0) / np.linalg.norm(plane, axis=-1)
+        length = np.linalg.norm(plane, axis=-1)
+        distance = (np.sum(plane * there, axis=-1) - 1.0) / length
         sigma = _sigma_m(1.0 / self.inverse)
-        turned = facing @ frames.depth_T_colour[:3, :3]
+        turned = plane / length[:, None] @ frames.depth_T_colour[:3, :3]
         by_point = (turned / sigma[:, None])[:, None]
         link = Link.of(point, relative, other, by_point)
         return (distance / sigma)[:, None], link, np.abs(distance)
@@ -248,12 +247,6 @@ class DepthLinks:
 def _sigma_m(depth_m: FloatArray) -> FloatArray:
     """Of the distance between two measured surfaces."""
     return np.asarray(np.sqrt(2.0) * depth_sigma_m(depth_m))
-
-
-def _depth_motion(frames: FrameMatrices, first: IntArray, second: IntArray) -> FloatArray:
-    relative = frames.T_world[second] @ frames.world_T[first]
-    motion: FloatArray = frames.depth_T_colour @ relative @ frames.colour_T_depth
-    return motion
 
 
 def _brought(

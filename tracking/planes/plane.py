@@ -84,7 +84,8 @@ class Plane:
                 f"Plane.world_T_plane: expected one pose, got shape {self.world_T_plane.shape}"
             )
         outline = frozen(checked_floats(self.outline, "Plane.outline", (2,)))
-        if outline.ndim != 2 or len(outline) < 3 or _signed_area(outline) <= 0.0:
+        x, y = outline.T if outline.ndim == 2 else np.zeros((2, 1))
+        if len(outline) < 3 or x @ np.roll(y, -1) - y @ np.roll(x, -1) <= 0.0:  # twice its area
             raise ValueError(
                 "Plane.outline: expected three or more corners anticlockwise, "
                 f"got shape {outline.shape}"
@@ -155,12 +156,6 @@ class Plane:
     def transformed_by(self, motion: Motor) -> Plane:
         """The same plane after a rigid motion, or in another frame: ``other_T_world``."""
         return replace(self, world_T_plane=motion @ self.world_T_plane)
-
-
-def _signed_area(outline: FloatArray) -> float:
-    """Area of a polygon ``(k, 2)``, negative if it runs clockwise."""
-    x, y = outline.T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def fit_plane(

@@ -350,12 +350,6 @@ def _focal_of(
     return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
 
 
-def largest_tilt_deg(state: BodyState) -> float:
-    """The largest angle between the lens's axis and the normal of the first body, in any view."""
-    normals = state.world_T_camera.rotor.inverse().apply([0.0, 0.0, 1.0])
-    return float(np.degrees(np.arccos(np.clip(np.abs(normals[:, 2]), 0.0, 1.0)).max()))
-
-
 def _readout(chosen: ChosenFit) -> ShutterReadout | None:
     """The shutter's, along the axis that shows it; None where neither is sure."""
     state = chosen.fit.state
@@ -436,7 +430,9 @@ def _reach(seen: BodyObservations) -> tuple[str, ...]:
 def _doubts(fitted: BodyFit, sigma: float, breathing: float, basis: Basis) -> tuple[str, ...]:
     doubts = []
     if sigma > _DOUBTFUL_FOCAL:
-        tilt_deg = largest_tilt_deg(fitted.state)
+        # Between the lens's axis and the print's normal, the largest of all views.
+        normals = fitted.state.world_T_camera.rotor.inverse().apply([0.0, 0.0, 1.0])
+        tilt_deg = np.degrees(np.arccos(np.clip(np.abs(normals[:, 2]), 0.0, 1.0))).max()
         why = "film it nearer, and from more sides"
         if basis == "board" and tilt_deg < _HEAD_ON_DEG:
             why = f"it is seen head on, to {tilt_deg:.0f} degrees: film it from more sides"

@@ -142,6 +142,8 @@ def self_calibrate_motion(
     zoom = focal_range(fit.state.world_T_camera.shape[0], partial(_focal_of, straight, fit))
     parallax, focal = parallax_deg(straight, fit.state), float(fit.state.numbers[0])
     fit = _unfolded(frames, straight, fit)
+    middle = 0.5 * (np.array(frames.small) - 1.0)
+    aside = np.linalg.norm(fit.state.numbers[1:3] - middle) / max(frames.small)
     sigma = _focal_sigma(straight, fit)
     reason = ""
     if zoom is not None:
@@ -149,7 +151,7 @@ def self_calibrate_motion(
         reason = zoom_doubt(*(frames.scale * np.array(zoom)))
     elif parallax < _LEAST_PARALLAX_DEG or not sigma <= _TOLD_FOCAL:
         reason = f"things are seen from directions {parallax:.1f} degrees apart in the middle"
-    elif (aside := _aside(fit, frames)) > _FARTHEST_ASIDE:
+    elif aside > _FARTHEST_ASIDE:
         reason = (
             f"its centre came out {aside:.0%} of the image beside the middle, where no lens has "
             "it; of a clip cut from the side of another, state the camera"
@@ -330,12 +332,6 @@ def _guessed(frames: _Frames, focal: float, sigma: float, why: str) -> SelfCalib
     reason = "pinhole: motion does not tell more"
     camera = middle_camera(frames.size, share)
     return SelfCalibration(camera, "motion", float(spread), reason, 0.0, kept, doubts=doubts)
-
-
-def _aside(fit: PointFit, frames: _Frames) -> float:
-    """How far the lens's centre is from the image's, in long sides."""
-    middle = 0.5 * (np.array(frames.small) - 1.0)
-    return float(np.linalg.norm(fit.state.numbers[1:3] - middle) / max(frames.small))
 
 
 def _checked(frames: _Frames, fit: PointFit, sigma: float) -> SelfCalibration:

@@ -127,7 +127,10 @@ class ColladaMaterials:
             emission=(1.0, 1.0, 1.0) if lamp is not None else tuple(emission),
             emission_map=lamp,
             alpha_mode="blend" if alpha < 1.0 or see_through else "opaque",
-            double_sided=_is_double_sided(effect),
+            # The extension of Google Earth, which most programs write.
+            double_sided=any(
+                one.text.strip() in ("1", "true") for one in effect.every("double_sided")
+            ),
             unlit=kind == "constant",
         )
 
@@ -237,11 +240,6 @@ def _number(element: Element | None, default: float) -> float:
         return default
     values = inside.floats()
     return float(values[0]) if len(values) else default
-
-
-def _is_double_sided(effect: Element) -> bool:
-    """As the extension of Google Earth has it, which most programs write."""
-    return any(one.text.strip() in ("1", "true") for one in effect.every("double_sided"))
 
 
 MOST_INFLUENCES = 64
@@ -382,12 +380,9 @@ class Controllers:
         shape = element.first("bind_shape_matrix")
         if shape is not None:
             matrices = matrices @ shape.floats(16).reshape(4, 4)
-        return self._without_repeats(np.array(nodes), matrices, name)
-
-    def _without_repeats(self, nodes: IntArray, matrices: FloatArray, name: str) -> Skin:
-        if len(set(nodes.tolist())) < len(nodes):
+        if len(set(nodes)) < len(nodes):
             raise expected(f"skin of '{name}'", "different joints", "one twice")
-        return Skin(nodes, matrices)
+        return Skin(np.array(nodes), matrices)
 
     def _influences(self, element: Element, name: str, joints: int) -> tuple[IntArray, FloatArray]:
         """Joint numbers (P, K) and weights (P, K) of the mesh's positions."""

@@ -58,12 +58,12 @@ class Element:
         """Children of that name."""
         return [child for child in self.children if child.name == name]
 
-    def every(self, name: str) -> Iterator[Element]:
-        """Descendants of that name, in the order of the file."""
+    def every(self, name: str = "") -> Iterator[Element]:
+        """Descendants of that name, or all, in the order of the file."""
         waiting = self.children[::-1]
         while waiting:
             element = waiting.pop()
-            if element.name == name:
+            if name in ("", element.name):
                 yield element
             waiting += element.children[::-1]
 
@@ -138,19 +138,11 @@ class Library:
             raise expected("root element", "COLLADA", root.name)
         self.root = root
         self._by_id: dict[str, Element] = {}
-        for element in self._everything():
+        for element in (root, *root.every()):
             if element.get("id"):
                 self._by_id.setdefault(element.get("id"), element)
         self._floats: dict[str, FloatArray] = {}
         self._total = 0
-
-    def _everything(self) -> list[Element]:
-        elements, waiting = [], [self.root]
-        while waiting:
-            element = waiting.pop()
-            elements.append(element)
-            waiting += element.children[::-1]
-        return elements
 
     def find(self, url: str) -> Element | None:
         """The element that `#id` names, blanks in it written as such or as ``%20``; or None."""

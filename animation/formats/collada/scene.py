@@ -303,7 +303,11 @@ def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
     curves = [curve for parts in moves.values() for _, _, curve in parts]
     steps = [bool(np.any(curve.kinds == "STEP")) for curve in curves]
     times = key_times([curve.keys for curve in curves], steps)
-    keyed = {node for node, parts in moves.items() if _matrix_moves(scene, node, parts)}
+    keyed = {  # those that the keys of a matrix move
+        node
+        for node, parts in moves.items()
+        if any(scene.stacks[node][step].kind == "matrix" for step, _, _ in parts)
+    }
 
     def at(wanted: FloatArray) -> Transforms:
         whole = transforms_over(scene.tree.rest, len(wanted))
@@ -330,11 +334,6 @@ def _clip(scene: ColladaScene, moves: dict[int, _Moves], name: str) -> RigClip:
         straight=keyed == set(moves) and not any(steps),
         key_count=max(len(curve.keys) for curve in curves),
     )
-
-
-def _matrix_moves(scene: ColladaScene, node: int, parts: _Moves) -> bool:
-    """Whether a node moves by the keys of a matrix."""
-    return any(scene.stacks[node][step].kind == "matrix" for step, _, _ in parts)
 
 
 def _at_keys(scene: ColladaScene, node: int, parts: _Moves, wanted: FloatArray) -> Transforms:

@@ -200,7 +200,11 @@ def write_cast_gltf(
             f"write_cast_gltf(cast): expected paths from one stamp on, got {sorted(starts)}"
         )
     if points_m is not None:
-        _check_points(points_m)
+        shape = points_m.shape
+        if len(shape) != 2 or shape[1] != 3 or not shape[0] or not np.isfinite(points_m).all():
+            raise ValueError(
+                f"write_cast_gltf(points_m): expected finite points (N, 3), got {shape}"
+            )
     scene, start_ns = SceneWriter(), starts.pop()
     animation_writer = AnimationWriter(scene.buffer)
     for member in cast:
@@ -231,12 +235,6 @@ def _check_joints(character: Character, clip: Clip, field: str) -> None:
             f"{field}: expected poses of {len(character.skeleton)} joints, got "
             f"{clip.poses.shape[1]} in '{clip.name}'"
         )
-
-
-def _check_points(points_m: FloatArray) -> None:
-    shape = points_m.shape
-    if len(shape) != 2 or shape[1] != 3 or shape[0] == 0 or not np.all(np.isfinite(points_m)):
-        raise ValueError(f"write_cast_gltf(points_m): expected finite points (N, 3), got {shape}")
 
 
 UPRIGHT_XYZW = [-0.5, -0.5, -0.5, 0.5]

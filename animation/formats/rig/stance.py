@@ -543,7 +543,9 @@ def _unit_m(rig: Rig, axes: Axes, places: Places, value: float | None) -> tuple[
         return value, ""
     # Meshes may lie in units of their own: only where joints do not tell do they count.
     turned = (axes.standing @ axes.turn).apply(places.bound)
-    height = float(np.ptp(turned[:, 2])) or _tallest(rig) or float(np.ptp(turned, axis=0).max())
+    boxes = (float(np.ptp(surface.vertices, axis=0).max()) for surface in rig.surfaces)
+    height = float(np.ptp(turned[:, 2])) or max(boxes, default=0.0)
+    height = height or float(np.ptp(turned, axis=0).max())
     evidence = axes.body.evidence
     if evidence is not None and evidence.legs is not None and not axes.body.four_legged:
         bones = np.diff(places.bound[evidence.legs], axis=0)
@@ -561,10 +563,3 @@ def _unit_m(rig: Rig, axes: Axes, places: Places, value: float | None) -> tuple[
             "in footage: state its height where that is not meant"
         )
     return nearer_unit_m(height, unit) if unsure else (unit, "")
-
-
-def _tallest(rig: Rig) -> float:
-    """Largest side of the surfaces' boxes in the file's unit; 0 without any."""
-    return max(
-        (float(np.ptp(surface.vertices, axis=0).max()) for surface in rig.surfaces), default=0.0
-    )
