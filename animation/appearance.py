@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.names import check_word
 
 Wrap = Literal["repeat", "mirror", "clamp"]
 Filter = Literal["nearest", "linear"]
@@ -122,11 +123,7 @@ class Material:
     unlit: bool = False
 
     def __post_init__(self) -> None:
-        if self.alpha_mode not in get_args(AlphaMode):
-            raise ValueError(
-                f"Material.alpha_mode: expected one of {', '.join(get_args(AlphaMode))}, got "
-                f"{self.alpha_mode!r}"
-            )
+        check_word(self.alpha_mode, get_args(AlphaMode), "Material.alpha_mode")
         for name, count in (("base_color", 4), ("emission", 3)):
             values = np.asarray(getattr(self, name), dtype=np.float64)
             if values.shape != (count,) or not np.all(values >= 0.0):

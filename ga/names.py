@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 _NAMES_SHOWN = 12
 _LONG_NUMBER = re.compile(r"Exceeds the limit \((\d+) digits\) for integer string conversion.*")
@@ -31,6 +31,12 @@ def did_you_mean(name: str, allowed: Iterable[str]) -> str:
     shown = ", ".join(names[:_NAMES_SHOWN]) or "none"
     more = len(names) - _NAMES_SHOWN
     return f"known here: {shown}" + (f" and {more} more" if more > 0 else "")
+
+
+def check_word(word: object, words: Collection[str], field: str) -> None:
+    """Refuse what is none of these words. Raises ValueError: naming the field and the words."""
+    if word not in words:
+        raise ValueError(f"{field}: expected one of {', '.join(words)}, got {word!r}")
 
 
 def plain_reason(reason: str) -> str:

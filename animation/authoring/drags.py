@@ -14,6 +14,7 @@ from motorcade.animation.authoring.scene import Scene
 from motorcade.animation.authoring.scene_file import FARTHEST_M, MOST_KEYFRAMES, SCALES
 from motorcade.ga import Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, frozen
+from motorcade.ga.names import check_word
 
 Kind = Literal["rotate", "translate", "scale", "similarity"]
 Amount = float | Similarity
@@ -55,8 +56,7 @@ class Drag:
     time_s: float | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"Drag.kind: expected one of {', '.join(KINDS)}, got {self.kind!r}")
+        check_word(self.kind, KINDS, "Drag.kind")
         if self.frame not in FRAMES:
             raise ValueError(f"Drag.frame: expected local, parent or global, got {self.frame!r}")
         axis = checked_floats(self.axis, "Drag.axis", (3,))

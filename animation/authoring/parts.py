@@ -17,6 +17,7 @@ from motorcade.animation.authoring.poses import EulerObjectPose, VersorObjectPos
 from motorcade.animation.easing import FADE_S
 from motorcade.ga import Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, checked_positive, frozen
+from motorcade.ga.names import check_word
 
 AnchorKind = Literal["auto", "board", "marker", "plane", "floor"]
 PartKind = Literal["character", "prop", "group"]
@@ -51,10 +52,7 @@ class SceneAnchor:
     floor_m: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.on not in ANCHORS:
-            raise ValueError(
-                f"SceneAnchor.on: expected one of {', '.join(ANCHORS)}, got {self.on!r}"
-            )
+        check_word(self.on, ANCHORS, "SceneAnchor.on")
         if (self.on == "marker") != (self.marker is not None):
             raise ValueError(
                 f"SceneAnchor.marker: expected an id with on='marker' alone, got {self.marker}"
@@ -90,10 +88,7 @@ class SceneLayer:
     def __post_init__(self) -> None:
         if not self.clip:
             raise ValueError("SceneLayer.clip: expected a name, got an empty string")
-        if self.joints not in MASKS:
-            raise ValueError(
-                f"SceneLayer.joints: expected one of {', '.join(MASKS)}, got {self.joints!r}"
-            )
+        check_word(self.joints, MASKS, "SceneLayer.joints")
         if not 0.0 <= self.weight <= 1.0:
             raise ValueError(f"SceneLayer.weight: expected 0 to 1, got {self.weight}")
         _checked_span(self.start_s, self.end_s, "SceneLayer")
@@ -231,15 +226,8 @@ class ScenePart:
     visible_s: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(
-                f"ScenePart.kind: expected one of {', '.join(KINDS)}, got {self.kind!r}"
-            )
-        if self.interpolation not in INTERPOLATIONS:
-            expected = ", ".join(INTERPOLATIONS)
-            raise ValueError(
-                f"ScenePart.interpolation: expected one of {expected}, got {self.interpolation!r}"
-            )
+        check_word(self.kind, KINDS, "ScenePart.kind")
+        check_word(self.interpolation, INTERPOLATIONS, "ScenePart.interpolation")
         if (self.kind == "group") != (not self.file):
             expected = "none for a group" if self.kind == "group" else "the name of a file"
             raise ValueError(f"ScenePart.file: expected {expected}, got {self.file!r}")

@@ -93,10 +93,15 @@ class Scene:
             ValueError: no such object.
         """
         self.pose(name)
-        above: str | None = name
+        return self._above(name)[1]
+
+    def _above(self, name: str) -> tuple[list[str], str | None]:
+        """The objects that one hangs on, the nearest first, and their anchor or None."""
+        chain, above = [], self.parents[name]
         while above is not None and above not in self.anchors:
+            chain.append(above)
             above = self.parents[above]
-        return above
+        return chain, above
 
     def pose_at(self, name: str, time_s: float | FloatArray | None = None) -> Similarity:
         """`parent_T_object` at a time: between keyframes where it has some, else its pose.
@@ -139,13 +144,10 @@ class Scene:
             ValueError: no such object.
         """
         self.pose(name)
-        chain, above = [], self.parents[name]
-        while above is not None and above not in self.anchors:
-            chain.append(above)
-            above = self.parents[above]
+        chain, anchor = self._above(name)
         world = Similarity.identity()
-        if above is not None:
-            world = world_T_anchor.get(above, world)
+        if anchor is not None:
+            world = world_T_anchor.get(anchor, world)
         for link in reversed(chain):
             world = world @ self.pose_at(link, time_s)
         return world
@@ -219,10 +221,7 @@ class Scene:
 
     def check_depth(self, name: str) -> None:
         """Refuse an object that hangs deeper than 64. Raises ValueError: it does."""
-        above, depth = self.parents[name], 1
-        while above is not None and above not in self.anchors:
-            above, depth = self.parents[above], depth + 1
-        if depth > DEEPEST:
+        if len(self._above(name)[0]) >= DEEPEST:
             raise ValueError(f"Scene.parents: expected at most {DEEPEST} deep, got '{name}'")
 
     def but(self, **fields: Mapping[str, Any]) -> Scene:

@@ -29,6 +29,7 @@ from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import wrapped
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
+from motorcade.ga.names import check_word
 
 # Samples of a blended cycle, and moments of a clip at which a body's reach is looked for.
 SAMPLES, MOMENTS = 97, 16
@@ -88,10 +89,7 @@ class ClipLayer:
     additive: bool = False
 
     def __post_init__(self) -> None:
-        if self.during not in LASTING:
-            raise ValueError(
-                f"ClipLayer.during: expected one of {', '.join(LASTING)}, got {self.during!r}"
-            )
+        check_word(self.during, LASTING, "ClipLayer.during")
         mask, joints = checked_floats(self.mask, "ClipLayer.mask", ()), self.clip.poses.shape[-1]
         if mask.shape != (joints,) or np.any(mask < 0.0) or np.any(mask > 1.0):
             raise ValueError(

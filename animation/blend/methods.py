@@ -50,6 +50,7 @@ from motorcade.ga import (
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive, frozen
 from motorcade.ga.classical.dual_quaternion import dual_quaternion_mean
 from motorcade.ga.classical.quaternion import quaternion_mean
+from motorcade.ga.names import check_word
 
 BlendMethod = Literal[
     "motor",
@@ -103,10 +104,7 @@ def blend_poses(poses: Poses, weights: ArrayLike, method: BlendMethod = "motor")
     >>> blend_poses(heights, [0.25, 0.75]).translation_m + 0.0
     array([[0. , 0. , 2.5]])
     """
-    if method not in BLEND_METHODS:
-        raise ValueError(
-            f"blend_poses(method): expected one of {', '.join(BLEND_METHODS)}, got {method!r}"
-        )
+    check_word(method, BLEND_METHODS, "blend_poses(method)")
     shares = _shares(poses.shape, weights)
     # The K to blend over go last: (*, J, K).
     coefficients = np.swapaxes(poses.coefficients, -2, -3)

@@ -160,24 +160,15 @@ def _camera(like: Camera, numbers: FloatArray) -> Camera:
 
 
 def _by_camera(camera: Camera, points: FloatArray, pixels: FloatArray) -> FloatArray:
-    """Derivative ``(N, 2, p)`` of the pixels by fx, fy, cx, cy and the distortion.
-
-    Both lens models are linear in the coefficients that are fitted, so a difference is exact.
-    """
+    """Derivative ``(N, 2, p)`` of the pixels by fx, fy, cx, cy and the distortion."""
     focal = np.array([camera.fx, camera.fy])
     columns = np.zeros((len(points), 2, 4))
     columns[:, 0, 0], columns[:, 1, 1] = ((pixels - (camera.cx, camera.cy)) / focal).T
     columns[:, 0, 2] = columns[:, 1, 3] = 1.0
     if camera.model == "pinhole":
         return columns
-    length = 8 if camera.model == "radtan" else 4
-    plain = lenses.distort(camera.model, np.zeros(length), points)
-    fitted = min(len(camera.distortion), 5)
-    by_lens = [
-        focal * (lenses.distort(camera.model, unit, points) - plain)
-        for unit in np.eye(length)[:fitted]
-    ]
-    return np.concatenate([columns, np.stack(by_lens, axis=-1)], axis=-1)
+    by_lens = lenses.by_coefficients(camera.model, points, range(min(len(camera.distortion), 5)))
+    return np.concatenate([columns, focal[:, None] * by_lens], axis=-1)
 
 
 LEAST_VIEWS = 3

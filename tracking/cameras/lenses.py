@@ -7,6 +7,8 @@ OpenCV's rational form); equidistant ones k1 k2 k3 k4 (Kannala & Brandt 2006).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.polynomial import Polynomial
 
@@ -23,6 +25,17 @@ def distort(model: str, coefficients: FloatArray, points: FloatArray) -> FloatAr
         return _equidistant(coefficients, points)
     ideal = _perspective(points)
     return ideal if model == "pinhole" else _radtan(coefficients, ideal)
+
+
+def by_coefficients(model: str, points: FloatArray, which: Sequence[int]) -> FloatArray:
+    """Derivative ``(n, 2, c)`` of `distort` by coefficients of these numbers.
+
+    Models are linear in k1 k2 p1 p2 k3 of radtan and in all of equidistant: differences are exact.
+    """
+    length = 8 if model == "radtan" else 4
+    plain = distort(model, np.zeros(length), points)
+    columns = [distort(model, unit, points) - plain for unit in np.eye(length)[list(which)]]
+    return np.moveaxis(np.array(columns).reshape(-1, *plain.shape), 0, -1)
 
 
 def distort_jacobian(

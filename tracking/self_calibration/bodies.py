@@ -399,7 +399,7 @@ def fit(
             raise SelfCalibrationError(_NO_IMAGE)
         minimum = minimise(state, evaluate, partial(_retract, free), _STOP)
         before, state, at = noise_px, minimum.state, minimum.evaluation
-        noise_px = _median_px(at.residuals_px)
+        noise_px = median_noise_px(at.residuals_px)
         if not readout and abs(noise_px - before) < 0.05 * before:
             break
     return _fitted(state, at, noise_px)
@@ -429,13 +429,13 @@ def _noise_px(seen: BodyObservations, state: BodyState) -> float:
     at = BodyReprojection(seen, velocity, Freedom(False, False, False, 1.0, 1.0), state)
     if not np.isfinite(at.cost):
         raise SelfCalibrationError(_NO_IMAGE)
-    return _median_px(at.residuals_px)
+    return median_noise_px(at.residuals_px)
 
 
-def _median_px(residuals_px: FloatArray) -> float:
+def median_noise_px(residuals_px: FloatArray, floor_px: float = SIGMA_FLOOR_PX) -> float:
     """Noise of a coordinate that outliers do not move."""
     median = float(np.median(np.linalg.norm(residuals_px, axis=-1)))
-    return max(median / _MEDIAN_OF_TWO, SIGMA_FLOOR_PX)
+    return max(median / _MEDIAN_OF_TWO, floor_px)
 
 
 def _fitted(state: BodyState, at: BodyReprojection, noise_px: float) -> BodyFit:

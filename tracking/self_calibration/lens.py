@@ -96,15 +96,10 @@ class LensKind:
         columns = np.zeros((len(px), 2, _PLAIN + self.terms))
         columns[:, :, 0] = (px - (camera.cx, camera.cy)) / camera.fx
         columns[:, 0, 1] = columns[:, 1, 2] = 1.0
-        if not self.terms:
-            return columns
-        length = 8 if self.model == "radtan" else 4
-        plain = lenses.distort(self.model, np.zeros(length), in_camera)
-        for term in range(self.terms):
-            unit = np.zeros(length)
-            unit[4 if self.model == "radtan" and term == 2 else term] = 1.0
-            bent = lenses.distort(self.model, unit, in_camera) - plain
-            columns[:, :, _PLAIN + term] = camera.fx * bent
+        if self.terms:
+            which = (0, 1, 4 if self.model == "radtan" else 2, 3)[: self.terms]
+            by_terms = lenses.by_coefficients(self.model, in_camera, which)
+            columns[:, :, _PLAIN:] = camera.fx * by_terms
         return columns
 
 

@@ -29,13 +29,13 @@ from motorcade.tracking.optimise import (
     sum_by,
 )
 from motorcade.tracking.rolling import shift_px
+from motorcade.tracking.self_calibration.bodies import median_noise_px
 from motorcade.tracking.self_calibration.lens import LensKind
 from motorcade.tracking.self_calibration.result import ReadoutAxis, ShutterReadout
 
 _STOP = Stop(steps=30, gain=1e-5)
 _WIDTH = 6
 _LIMIT, _OUTLIER = 2.0, 6.0  # of the noise of a coordinate
-_MEDIAN_OF_TWO = float(np.sqrt(2.0 * np.log(2.0)))
 _NOISE_FLOOR_PX = 0.05
 
 
@@ -201,10 +201,10 @@ def fit_points(seen: PointObservations, start: PointState) -> PointFit:
 
 
 def _noise_px(residuals_px: FloatArray) -> float:
-    median = float(np.median(np.linalg.norm(residuals_px, axis=-1)))
-    if not np.isfinite(median):
+    noise_px = median_noise_px(residuals_px, _NOISE_FLOOR_PX)
+    if not np.isfinite(noise_px):
         raise ValueError("start: expected points before their cameras")
-    return max(median / _MEDIAN_OF_TWO, _NOISE_FLOOR_PX)
+    return noise_px
 
 
 def _retract(state: PointState, step: tuple[FloatArray, FloatArray]) -> PointState:

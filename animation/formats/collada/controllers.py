@@ -129,7 +129,7 @@ class ColladaMaterials:
             alpha_mode="blend" if alpha < 1.0 or see_through else "opaque",
             # The extension of Google Earth, which most programs write.
             double_sided=any(
-                one.text.strip() in ("1", "true") for one in effect.every("double_sided")
+                side.text.strip() in ("1", "true") for side in effect.every("double_sided")
             ),
             unlit=kind == "constant",
         )
