@@ -29,16 +29,16 @@ from docs.making.guide_tables import (
 from docs.making.in_short import in_short, shares
 from motorcade.fusion.motions import MOTIONS
 from motorcade.replays.comparison.plan import SEEDS
-from motorcade.replays.comparison.report.matrix import best_of_each, exact_ties
-from motorcade.replays.comparison.report.names import (
+from motorcade.replays.comparison.report.matrix import (
     CAUSAL,
     DEGRADATIONS,
     LABELS,
     REPRESENTATIONS,
-    listed,
+    best_of_each,
+    exact_ties,
 )
 from motorcade.replays.comparison.report.page import findings
-from motorcade.replays.comparison.report.results import REFERENCE, Results, range_ends
+from motorcade.replays.comparison.report.results import REFERENCE, Results, listed, range_ends
 
 __all__ = ["figures", "kept", "main", "page", "readme_line", "with_line"]
 

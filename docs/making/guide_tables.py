@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from motorcade.replays.comparison.plan import OWN
-from motorcade.replays.comparison.report.matrix import Matrix
-from motorcade.replays.comparison.report.names import CAUSAL, LABELS, METHODS, shown
+from motorcade.replays.comparison.report.matrix import CAUSAL, LABELS, METHODS, Matrix, shown
 from motorcade.replays.comparison.report.page import percent
 from motorcade.replays.comparison.report.results import REFERENCE, Results
 from motorcade.replays.comparison.statistics import PRACTICAL_SHARE

@@ -7,9 +7,9 @@ from typing import Any
 
 from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.replays.comparison.plan import OWN
-from motorcade.replays.comparison.report.names import CAUSAL, LABELS, listed
+from motorcade.replays.comparison.report.matrix import CAUSAL, LABELS
 from motorcade.replays.comparison.report.page import compared, percent
-from motorcade.replays.comparison.report.results import Ratio, Results, tied
+from motorcade.replays.comparison.report.results import Ratio, Results, listed, tied
 from motorcade.replays.comparison.statistics import PRACTICAL_SHARE
 
 __all__ = ["in_short", "shares"]

@@ -78,7 +78,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 
 def stages_page() -> str:
     """Every stage of the pipeline: what it does, takes and gives, and its knobs."""
-    from motorcade.replays.engine.knobs import described_knobs
+    from motorcade.replays.engine.graph import described_knobs
     from motorcade.replays.pipeline.job import pipeline_graph
 
     parts = [

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 Command = Callable[[argparse.Namespace], None]
+Options = argparse._ActionsContainer  # a parser, or a group of its options
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,42 @@ class Commands:
         return parser
 
 
+def add_flag(parser: Options, name: str, what: str) -> None:
+    """An option that is there or not."""
+    parser.add_argument(name, action="store_true", help=what)
+
+
+def add_file(parser: Options, name: str, what: str, metavar: str = "FILE", **options: Any) -> None:
+    """A file or a folder: an option where the name begins with dashes, else a positional word."""
+    parser.add_argument(name, type=Path, metavar=metavar, help=what, **options)
+
+
+def add_number(
+    parser: Options, name: str, what: str, default: float | None = None, **options: Any
+) -> None:
+    """A number with its usual value."""
+    parser.add_argument(name, type=float, default=default, help=what, **options)
+
+
+def add_choice(
+    parser: Options, name: str, choices: Sequence[str], what: str, default: str | None = None
+) -> None:
+    """One of some words."""
+    parser.add_argument(name, choices=choices, default=default, help=what)
+
+
+def add_output(parser: Options, metavar: str = "FILE", what: str | None = None) -> None:
+    """The required `-o`, `--output`."""
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar=metavar, help=what)
+
+
+def add_results(parser: Options, out: str, what: str = "results") -> None:
+    """The folder `--out` that results are left in."""
+    parser.add_argument(
+        "--out", type=Path, default=Path(out), metavar="DIR", help=f"{what} ({out})"
+    )
+
+
 def add_axes(parser: argparse.ArgumentParser) -> None:
     """Add `--up` and `--front`, for characters whose files and limbs do not tell them."""
     for option, what in (("up", "is up"), ("front", "the figure faces at rest")):
@@ -45,10 +82,8 @@ def add_axes(parser: argparse.ArgumentParser) -> None:
 
 def add_stamps(parser: argparse.ArgumentParser) -> None:
     """Add `--rate-hz` and `--times`: one of them gives poses of KITTI files their stamps."""
-    parser.add_argument(
-        "--rate-hz", type=float, metavar="HZ", help="rate of KITTI files, which have no stamps"
-    )
-    parser.add_argument("--times", type=Path, metavar="FILE", help="or their stamps, one a row, s")
+    add_number(parser, "--rate-hz", "rate of KITTI files, which have no stamps", metavar="HZ")
+    add_file(parser, "--times", "or their stamps, one a row, s")
 
 
 def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "") -> None:

@@ -8,7 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Commands, one_line, print_json
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+    add_output,
+    one_line,
+    print_json,
+)
 
 if TYPE_CHECKING:
     from motorcade.replays.tasks.images import MarkerImage
@@ -50,22 +59,19 @@ def add_detect(commands: Commands) -> None:
         "tagCircle21h7, tagCircle49h12, tagCustom48h12, aruco_NxN_COUNT (N 4 to 7; COUNT 50, 100, "
         "250, 1000), aruco_original, aruco_mip_36h12",
     )
-    parser.add_argument("--size-m", type=float, metavar="S", help="side between corners, for poses")
-    parser.add_argument(
+    add_number(parser, "--size-m", "side between corners, for poses", metavar="S")
+    add_file(
+        parser,
         "--camera",
-        type=Path,
-        metavar="FILE",
-        help="TOML with a [camera] table (as `motorcade calibrate` writes), or EuRoC's sensor.yaml",
+        "TOML with a [camera] table (as `motorcade calibrate` writes), or EuRoC's sensor.yaml",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable")
-    parser.add_argument(
-        "--draw", type=Path, metavar="FOLDER", help="write images of what was found"
-    )
+    add_flag(parser, "--json", "machine-readable")
+    add_file(parser, "--draw", "write images of what was found", "FOLDER")
 
 
 def detect(arguments: argparse.Namespace) -> None:
     """Search every image; print what was found, and complain of the others at the end."""
-    from motorcade.replays.io.errors import RecordingError
+    from motorcade.replays.io.files import RecordingError
     from motorcade.replays.io.readers.manifest.section import (
         read_board,
         read_camera,
@@ -169,38 +175,29 @@ def add_calibrate(commands: Commands) -> None:
     parser.description = CALIBRATION
     parser.add_argument("images", type=Path, nargs="+", metavar="IMAGES")
     parser.add_argument("--board", required=True, metavar="B", help="its name, or a file")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
-    parser.add_argument(
+    add_output(parser)
+    add_choice(
+        parser,
         "--model",
-        choices=("radtan", "equidistant", "pinhole"),
-        help="lens: k1 k2 p1 p2, fisheye k1 to k4, or none; without it the simplest that predicts "
+        ("radtan", "equidistant", "pinhole"),
+        "lens: k1 k2 p1 p2, fisheye k1 to k4, or none; without it the simplest that predicts "
         "held-out views as well as the best (with --imu: radtan)",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "--imu",
-        type=Path,
+        "calibrate an IMU too: EuRoC's CSV, or a video or recording with one; alone: that of "
+        "the recording",
         nargs="?",
         const=_OWN,
-        metavar="FILE",
-        help="calibrate an IMU too: EuRoC's CSV, or a video or recording with one; alone: that of "
-        "the recording",
     )
-    parser.add_argument(
-        "--camera", type=Path, metavar="FILE", help="the camera, known (with --imu)"
+    add_file(parser, "--camera", "the camera, known (with --imu)")
+    add_file(parser, "--noise", "Kalibr or EuRoC YAML; without it: ADIS16448")
+    add_number(
+        parser, "--gravity", "its size there; without it 9.81, give or take 0.02", metavar="M_S2"
     )
-    parser.add_argument(
-        "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
-    )
-    parser.add_argument(
-        "--gravity",
-        type=float,
-        metavar="M_S2",
-        help="its size there; without it 9.81, give or take 0.02",
-    )
-    parser.add_argument(
-        "--search-s", type=float, default=2.0, help="largest offset that is looked for (2 s)"
-    )
-    parser.add_argument("--json", action="store_true", help="machine-readable, each view")
+    add_number(parser, "--search-s", "largest offset that is looked for (2 s)", 2.0)
+    add_flag(parser, "--json", "machine-readable, each view")
 
 
 def calibrate(arguments: argparse.Namespace) -> None:
@@ -229,10 +226,10 @@ def calibrate(arguments: argparse.Namespace) -> None:
 
 def _calibrate_imu(arguments: argparse.Namespace) -> None:
     from motorcade.fusion.imu import ADIS16448
-    from motorcade.replays.io.errors import refusal
+    from motorcade.replays.io.files import refusal
     from motorcade.replays.io.imu import read_noise
     from motorcade.replays.io.readers.manifest.section import read_board, read_camera
-    from motorcade.replays.tasks.inertial_calibration import (
+    from motorcade.replays.tasks.calibration import (
         calibrate_recording,
         describe_inertial,
         write_inertial,
@@ -333,7 +330,7 @@ def add_print(commands: Commands) -> None:
     )
     parser.description = PRINTING
     parser.add_argument("boards", nargs="+", metavar="BOARD", help="its name, or a file")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
+    add_output(parser)
     parser.add_argument(
         "--paper", default="a4", metavar="P", help="a4, a3, letter, …, or 300x400mm (a4)"
     )

@@ -5,7 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from motorcade.replays.cli.arguments import Commands, add_axes
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_axes,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+)
 
 DESCRIPTION = """\
 Edit a scene by hand in the browser: characters and things put into the footage of a run, moved by
@@ -41,43 +48,25 @@ def add_author(commands: Commands) -> None:
         "motorcade author out/demo",
     )
     parser.description = DESCRIPTION
-    parser.add_argument(
-        "scene",
-        type=Path,
-        metavar="RUN|SCENE",
-        help="a run's folder, a folder of runs, or a scene (JSON)",
-    )
+    add_file(parser, "scene", "a run's folder, a folder of runs, or a scene (JSON)", "RUN|SCENE")
     _add_server(parser)
-    parser.add_argument(
-        "--gestures", type=Path, metavar="FILE", help="replay these drags and edits on SCENE"
-    )
+    add_file(parser, "--gestures", "replay these drags and edits on SCENE")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the scene there")
-    parser.add_argument(
-        "--rotations",
-        choices=("rotor", "euler"),
-        default="rotor",
-        help="how rotations are held (rotor)",
-    )
+    add_choice(parser, "--rotations", ("rotor", "euler"), "how rotations are held (rotor)", "rotor")
     for name, unit in (("deg", "degrees"), ("m", "metres"), ("scale", "factors from 1")):
-        parser.add_argument(
-            f"--snap-{name}",
-            type=float,
-            default=0.0,
-            metavar="STEP",
-            help=f"round drags to steps, {unit} (none)",
+        add_number(
+            parser, f"--snap-{name}", f"round drags to steps, {unit} (none)", 0.0, metavar="STEP"
         )
-    parser.add_argument("--json", action="store_true", help="print figures as JSON")
+    add_flag(parser, "--json", "print figures as JSON")
 
 
 def _add_server(parser: argparse.ArgumentParser) -> None:
     """What is said of the server."""
-    parser.add_argument("--run", type=Path, metavar="RUN", help="of a SCENE that lies elsewhere")
-    parser.add_argument("--lan", action="store_true", help="let the network in, by a link")
+    add_file(parser, "--run", "of a SCENE that lies elsewhere", "RUN")
+    add_flag(parser, "--lan", "let the network in, by a link")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="listen there (any free)")
-    parser.add_argument(
-        "--tls", type=Path, nargs=2, metavar=("CERT", "KEY"), help="serve by https, with these"
-    )
-    parser.add_argument("--no-open", action="store_true", help="print the link, open no browser")
+    add_file(parser, "--tls", "serve by https, with these", ("CERT", "KEY"), nargs=2)
+    add_flag(parser, "--no-open", "print the link, open no browser")
 
 
 def _serve(arguments: argparse.Namespace) -> None:
@@ -112,7 +101,7 @@ def author_scene(arguments: argparse.Namespace) -> None:
     from motorcade.animation.authoring import Snapping, scene_text
     from motorcade.replays.cli.arguments import print_json
     from motorcade.replays.io.files import write_bytes
-    from motorcade.replays.tasks.gestures import author
+    from motorcade.replays.tasks.blending import author
 
     snapping = Snapping(
         float(np.radians(arguments.snap_deg)), arguments.snap_m, arguments.snap_scale
@@ -139,9 +128,9 @@ def add_blend(commands: Commands) -> None:
         "blend two clips of a character, as glTF or video, by any method",
         "motorcade blend knight.glb --clips Walking_A,Running_A --weight 0.4 --out b.mp4",
     )
-    parser.add_argument("character", type=Path, metavar="CHARACTER", help="glb, gltf, dae, …")
+    add_file(parser, "character", "glb, gltf, dae, …", "CHARACTER")
     parser.add_argument("--clips", required=True, metavar="A,B", help="names of two clips")
-    parser.add_argument("--weight", type=float, default=0.5, metavar="W", help="of B (0.5)")
+    add_number(parser, "--weight", "of B (0.5)", 0.5, metavar="W")
     parser.add_argument(
         "--method",
         default="motor",
@@ -149,18 +138,17 @@ def add_blend(commands: Commands) -> None:
         help="motor, similarity, rotor, dual_quaternion or quaternion, each also with _linear; or "
         "euler (motor)",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "--motion",
-        type=Path,
+        "take clips from this file as well, retargeted by what joints are; may be repeated",
         action="append",
         default=[],
-        metavar="FILE",
-        help="take clips from this file as well, retargeted by what joints are; may be repeated",
     )
     add_axes(parser)
-    parser.add_argument("--rate-hz", type=float, default=60.0, help="keys a second (60)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="write .glb or .mp4")
-    parser.add_argument("--json", action="store_true", help="print figures as JSON")
+    add_number(parser, "--rate-hz", "keys a second (60)", 60.0)
+    add_file(parser, "--out", "write .glb or .mp4")
+    add_flag(parser, "--json", "print figures as JSON")
 
 
 def blend(arguments: argparse.Namespace) -> None:

@@ -1,14 +1,21 @@
-"""`motorcade evaluate`: errors of estimated trajectories against a reference."""
+"""Commands that judge: `motorcade evaluate`, `compare`, `consistency`."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, cast, get_args
+from typing import TYPE_CHECKING, Any, cast, get_args
 
 from motorcade.replays.cli.arguments import (
     Commands,
+    add_choice,
+    add_executor,
+    add_file,
+    add_flag,
+    add_number,
+    add_seed,
     add_stamps,
     check_known,
     chosen,
@@ -19,6 +26,198 @@ from motorcade.replays.cli.arguments import (
 if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
     from motorcade.ga import Trajectory
+    from motorcade.replays.comparison.truth import RecordedMotion
+
+
+def add_compare(commands: Commands) -> None:
+    """Register the command."""
+    parser = commands.add(
+        compare_smoothers,
+        "compare",
+        "compare smoothers and representations of poses, with intervals",
+        "motorcade compare --trajectories gimbal_crossing handheld --seeds 5 --out out/c",
+    )
+    names = "names; all without"
+    parser.add_argument(
+        "--trajectories",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="names of motions, files of true paths, or all for every name; all without",
+    )
+    parser.add_argument(
+        "--noise",
+        "--degradations",
+        dest="degradations",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help=names,
+    )
+    parser.add_argument("--methods", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument("--representations", nargs="+", default=[], metavar="NAME", help=names)
+    parser.add_argument("--seeds", type=int, metavar="N", help="test seeds (6)")
+    add_file(parser, "--input", "an estimated trajectory instead, with --truth")
+    add_file(parser, "--truth", "its ground truth")
+    add_choice(parser, "--align", ("none", "se3", "sim3"), "of --input with --truth (se3)", "se3")
+    add_stamps(parser)
+    add_executor(parser, "processes")
+    add_flag(parser, "--quick", "a small comparison, in seconds")
+    add_file(
+        parser,
+        "--out",
+        "for the results (out/compare); a stopped run goes on there",
+        "DIR",
+        default=Path("out/compare"),
+    )
+
+
+def compare_smoothers(arguments: argparse.Namespace) -> None:
+    """Compare, write the tables and the report, print the findings."""
+    from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
+    from motorcade.replays.cli.arguments import check_known
+    from motorcade.replays.comparison.plan import DEGRADATIONS, SEEDS, quick, standard
+    from motorcade.replays.comparison.run import run_comparison
+    from motorcade.replays.comparison.tables import as_text
+    from motorcade.replays.engine.jobs import check_executor
+    from motorcade.replays.pipeline.results import require_writable
+
+    if (arguments.input is None) != (arguments.truth is None):
+        raise ValueError("compare: expected --input and --truth together, got one of them")
+    check_known("--noise", arguments.degradations, DEGRADATIONS)
+    check_known("--methods", arguments.methods, METHODS)
+    check_known("--representations", arguments.representations, REPRESENTATION_NAMES)
+    check_executor(arguments.executor)
+    if arguments.seeds is not None and arguments.seeds < 1:
+        raise ValueError(f"--seeds: expected 1 or more, got {arguments.seeds}")
+    recorded, motions = _motions(arguments)
+    require_writable(arguments.out)
+    if arguments.input is not None:
+        print(as_text(_recorded(arguments)))
+        _report(arguments.out)
+        return
+    chosen = {
+        "motions": motions,
+        "degradations": tuple(arguments.degradations),
+        "methods": tuple(arguments.methods),
+        "representations": tuple(arguments.representations),
+    }
+    if arguments.quick:
+        options: dict[str, Any] = {name: value for name, value in chosen.items() if value}
+        if arguments.seeds is not None:
+            options["test_seeds"] = tuple(range(100, 100 + arguments.seeds))
+        plan = replace(quick(), recorded=recorded, **options)
+    else:
+        plan = standard(
+            SEEDS if arguments.seeds is None else arguments.seeds, **chosen, recorded=recorded
+        )
+    print(as_text(run_comparison(plan, arguments.out, arguments.executor)))
+    _report(arguments.out)
+
+
+def _motions(
+    arguments: argparse.Namespace,
+) -> tuple[tuple[RecordedMotion, ...], tuple[str, ...]]:
+    """Those of the words that are files, and the names of all motions."""
+    from motorcade.fusion.motions import MOTIONS
+    from motorcade.replays.cli.arguments import check_known
+    from motorcade.replays.comparison.truth import RecordedMotion
+
+    trajectories: Sequence[str] = arguments.trajectories
+    files = [Path(one) for one in trajectories if not one.isidentifier()]
+    names = [one for one in trajectories if one.isidentifier()]
+    check_known("--trajectories", names, {*MOTIONS, "all"})
+    known = tuple(MOTIONS) if "all" in names else tuple(names)
+    recorded = tuple(RecordedMotion.of(one, arguments.rate_hz, arguments.times) for one in files)
+    return recorded, (*known, *(one.name for one in recorded))
+
+
+def _report(out: Path) -> None:
+    from motorcade.replays.comparison.report import Results, write_report
+
+    print(f"report: {write_report(Results.read(out), out)}; tables beside it")
+
+
+def _recorded(arguments: argparse.Namespace) -> dict[str, object]:
+    from motorcade.replays.comparison.run import compare_recorded
+    from motorcade.replays.io.trajectories import read_trajectory
+
+    for name in ("trajectories", "degradations", "seeds", "quick"):
+        if getattr(arguments, name):
+            raise ValueError(f"--{name}: expected without --input, whose data it does not change")
+    estimate, truth = (
+        read_trajectory(path, rate_hz=arguments.rate_hz, times=arguments.times)
+        for path in (arguments.input, arguments.truth)
+    )
+    return compare_recorded(
+        estimate,
+        truth,
+        arguments.out,
+        arguments.input.stem,
+        arguments.methods,
+        arguments.representations,
+        arguments.align,
+        arguments.executor,
+    )
+
+
+def add_consistency(commands: Commands) -> None:
+    """Register the command."""
+    parser = commands.add(
+        consistency,
+        "consistency",
+        "NEES and NIS of the filter over simulated runs, beside quaternions and Euler angles",
+        "motorcade consistency --motions gimbal_crossing --runs 100 --out out/consistency",
+    )
+    parser.add_argument(
+        "--motions",
+        nargs="+",
+        metavar="NAME",
+        help="rigid ones (gimbal_crossing, handheld, walk_and_look)",
+    )
+    parser.add_argument(
+        "--filters", metavar="NAMES", help="motor, quaternion, euler, euler_exact (the first three)"
+    )
+    parser.add_argument("--runs", type=int, metavar="N", help="of each motion (100)")
+    add_seed(parser, None, "the first run")
+    add_number(parser, "--duration-s", "of each run (120 s)", metavar="S")
+    add_executor(parser, "processes")
+    add_file(
+        parser,
+        "--out",
+        "for the results (out/consistency); a stopped run goes on there",
+        "DIR",
+        default=Path("out/consistency"),
+    )
+    add_file(parser, "--json", "write the figures there")
+
+
+def consistency(arguments: argparse.Namespace) -> None:
+    """Run, write the page, print the shares of steps within the bounds."""
+    from motorcade.replays.comparison.consistency import (
+        ConsistencyPlan,
+        as_json,
+        as_table,
+        run_plan,
+        write_page,
+    )
+    from motorcade.replays.engine.jobs import check_executor
+    from motorcade.replays.pipeline.results import require_writable
+
+    names = ("motions", "filters", "runs", "seed", "duration_s")
+    options = {name: getattr(arguments, name) for name in names}
+    if options["filters"] is not None:
+        options["filters"] = tuple(name.strip() for name in options["filters"].split(","))
+    if options["motions"] is not None:
+        options["motions"] = tuple(options["motions"])
+    plan = ConsistencyPlan(**{name: value for name, value in options.items() if value is not None})
+    check_executor(arguments.executor)
+    require_writable(arguments.out)
+    verdicts = run_plan(plan, arguments.out, arguments.executor)
+    figures = as_json(plan, verdicts)
+    print(as_table(figures))
+    print(f"page: {write_page(plan, verdicts, arguments.out)}")
+    write_json(arguments.json, figures)
 
 
 Figures = Mapping[str, float | int | str | None]
@@ -57,66 +256,48 @@ def add_evaluate(commands: Commands) -> None:
         "motorcade evaluate estimate.tum truth.tum --align se3 --json errors.json\n"
         "  motorcade evaluate orb.txt vins.txt truth.tum --align sim3 --delta 5 --delta-unit m",
     )
-    parser.add_argument(
-        "estimates", type=Path, nargs="+", metavar="EST", help="TUM, EuRoC or KITTI files"
-    )
-    parser.add_argument("reference", type=Path, metavar="REF", help="the same: the ground truth")
+    add_file(parser, "estimates", "TUM, EuRoC or KITTI files", "EST", nargs="+")
+    add_file(parser, "reference", "the same: the ground truth", "REF")
     add_stamps(parser)
     _add_pairs_to(parser)
     _add_alignment_to(parser)
     _add_relative_to(parser)
-    parser.add_argument(
+    add_number(
+        parser,
         "--energy-above-hz",
-        type=float,
-        default=5.0,
-        help="cut-off of the spectral energy (5 Hz, or a quarter of a slow rate)",
+        "cut-off of the spectral energy (5 Hz, or a quarter of a slow rate)",
+        5.0,
     )
-    parser.add_argument(
-        "--all", action="store_true", help="print every figure, not only those that matter most"
-    )
-    parser.add_argument(
-        "--json",
-        type=Path,
-        metavar="FILE",
-        help="write all results there; of several estimates by their names",
-    )
-    parser.add_argument(
-        "--errors", type=Path, metavar="FILE", help="write the errors of every pair there, as CSV"
-    )
-    parser.add_argument(
+    add_flag(parser, "--all", "print every figure, not only those that matter most")
+    add_file(parser, "--json", "write all results there; of several estimates by their names")
+    add_file(parser, "--errors", "write the errors of every pair there, as CSV")
+    add_file(
+        parser,
         "--plot",
-        type=Path,
-        metavar="FILE.svg",
-        help="draw errors over time, and maps of the estimates coloured by their position error",
+        "draw errors over time, and maps of the estimates coloured by their position error",
+        "FILE.svg",
     )
 
 
 def _add_pairs_to(parser: argparse.ArgumentParser) -> None:
     pairs = parser.add_argument_group("pairs of poses")
-    pairs.add_argument(
-        "--max-difference-s",
-        type=float,
-        default=0.01,
-        help="stamps farther apart are not paired (0.01 s)",
-    )
-    pairs.add_argument(
+    add_number(pairs, "--max-difference-s", "stamps farther apart are not paired (0.01 s)", 0.01)
+    add_number(
+        pairs,
         "--offset-s",
-        type=float,
-        default=0.0,
-        help="add this to the estimates' stamps to have the reference's clock (0)",
+        "add this to the estimates' stamps to have the reference's clock (0)",
+        0.0,
     )
-    pairs.add_argument("--start-s", type=float, help="leave out the reference before this stamp")
-    pairs.add_argument("--end-s", type=float, help="leave out the reference after this stamp")
-    pairs.add_argument(
-        "--interpolate",
-        action="store_true",
-        help="take the trajectory with more poses at the stamps of the other one",
+    add_number(pairs, "--start-s", "leave out the reference before this stamp")
+    add_number(pairs, "--end-s", "leave out the reference after this stamp")
+    add_flag(
+        pairs, "--interpolate", "take the trajectory with more poses at the stamps of the other one"
     )
-    pairs.add_argument(
+    add_number(
+        pairs,
         "--max-gap-s",
-        type=float,
+        "of --interpolate: leave out what lies in longer gaps (none is left out)",
         metavar="S",
-        help="of --interpolate: leave out what lies in longer gaps (none is left out)",
     )
     pairs.add_argument(
         "--rows",
@@ -128,19 +309,20 @@ def _add_pairs_to(parser: argparse.ArgumentParser) -> None:
 
 def _add_alignment_to(parser: argparse.ArgumentParser) -> None:
     alignment = parser.add_argument_group("alignment")
-    alignment.add_argument(
+    add_choice(
+        alignment,
         "--align",
-        choices=("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
-        default="none",
-        help="fit the estimate to the reference first: rigidly, with scale, by heading and place "
+        ("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
+        "fit the estimate to the reference first: rigidly, with scale, by heading and place "
         "(where gravity tells both up), by scale alone, or by the first pose, as it is or scaled "
         "(none)",
+        "none",
     )
     alignment.add_argument(
         "--n-to-align", type=int, metavar="N", help="fit the first N pairs only (all)"
     )
-    alignment.add_argument(
-        "--project", choices=("xy", "xz", "yz"), help="project both to a plane after alignment"
+    add_choice(
+        alignment, "--project", ("xy", "xz", "yz"), "project both to a plane after alignment"
     )
 
 
@@ -152,35 +334,29 @@ def _add_relative_to(parser: argparse.ArgumentParser) -> None:
         help="evo's pose relations to report beside, or all: full, trans_part, rot_part, "
         "angle_deg, angle_rad, point_distance, point_distance_error_ratio",
     )
-    relative.add_argument(
-        "--delta", type=float, default=1.0, metavar="D", help="of the relative pose error (1)"
-    )
-    relative.add_argument(
-        "--delta-unit", choices=("frames", "m", "deg", "rad"), default="frames", help="(frames)"
-    )
-    relative.add_argument(
+    add_number(relative, "--delta", "of the relative pose error (1)", 1.0, metavar="D")
+    add_choice(relative, "--delta-unit", ("frames", "m", "deg", "rad"), "(frames)", "frames")
+    add_flag(
+        relative,
         "--all-pairs",
-        action="store_true",
-        help="from every pose on, rather than each from where the one before ended",
+        "from every pose on, rather than each from where the one before ended",
     )
-    relative.add_argument(
+    add_number(
+        relative,
         "--delta-tolerance",
-        type=float,
-        default=0.1,
+        "of all pairs: by what share of the delta they may miss it (0.1)",
+        0.1,
         metavar="SHARE",
-        help="of all pairs: by what share of the delta they may miss it (0.1)",
     )
-    relative.add_argument(
+    add_choice(
+        relative,
         "--pairs-from",
-        choices=("reference", "estimate"),
-        default="reference",
-        help="whose metres and degrees are counted (reference; evo's default is the estimate)",
+        ("reference", "estimate"),
+        "whose metres and degrees are counted (reference; evo's default is the estimate)",
+        "reference",
     )
-    relative.add_argument(
-        "--rpe-length-m",
-        type=float,
-        default=1.0,
-        help="length of path for the relative error by length (1 m)",
+    add_number(
+        relative, "--rpe-length-m", "length of path for the relative error by length (1 m)", 1.0
     )
     relative.add_argument(
         "--drift",
@@ -212,11 +388,11 @@ def evaluate_files(arguments: argparse.Namespace) -> None:
     (only, *more) = figures.values()
     write_json(arguments.json, figures if more else only)
     if arguments.errors is not None:
-        from motorcade.replays.tasks.evaluation import error_rows
+        from motorcade.replays.tasks.editing import error_rows
 
         write_bytes(arguments.errors, "\n".join([*error_rows(matched), ""]).encode())
     if arguments.plot is not None:
-        from motorcade.replays.tasks.evaluation import error_image
+        from motorcade.replays.tasks.editing import error_image
 
         write_bytes(arguments.plot, error_image(matched, delta, arguments.project).encode())
 

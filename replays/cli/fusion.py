@@ -6,14 +6,25 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Commands, add_stamps, chosen, shown, write_json
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+    add_output,
+    add_stamps,
+    chosen,
+    shown,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
     from motorcade.fusion.sync import Synchronised
     from motorcade.ga import Motor, Trajectory
     from motorcade.ga.arrays import IntArray
-    from motorcade.replays.io.readers.manifest.inertial import ImuCalibration
+    from motorcade.replays.io.readers.manifest.sensors import ImuCalibration
     from motorcade.replays.tasks.fusing import FusingOptions
 
 
@@ -29,31 +40,29 @@ def add_fuse(commands: Commands) -> None:
     parser.add_argument(
         "poses", metavar="POSES", help="TUM, EuRoC or KITTI file, or BAG:TOPIC: world_T_camera"
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "imu",
-        type=Path,
-        metavar="IMU",
-        help="whatever holds readings: a recording's folder, CSV, a phone's logger, BAG:/topic, a "
+        "whatever holds readings: a recording's folder, CSV, a phone's logger, BAG:/topic, a "
         "GoPro's video, PX4's .ulg, KITTI's oxts",
+        "IMU",
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT")
-    parser.add_argument("--format", choices=("tum", "euroc", "kitti"), help="of OUT")
+    add_output(parser, "OUT")
+    add_choice(parser, "--format", ("tum", "euroc", "kitti"), "of OUT")
     parser.add_argument(
         "--positions",
         metavar="FILE",
         help="positions on the poses' clock that hold a path which drifts: .gpx, .nmea, .ulg, "
         "BAG:TOPIC (NavSatFix), or a trajectory file in metres",
     )
-    parser.add_argument(
-        "--positions-sigma-m", type=float, default=3.0, metavar="S", help="their deviation (3 m)"
-    )
-    parser.add_argument(
+    add_number(parser, "--positions-sigma-m", "their deviation (3 m)", 3.0, metavar="S")
+    add_number(
+        parser,
         "--antenna-m",
-        type=float,
+        "where they were measured, from the IMU in its axes (0 0 0)",
+        (0.0, 0.0, 0.0),
         nargs=3,
-        default=(0.0, 0.0, 0.0),
         metavar=("X", "Y", "Z"),
-        help="where they were measured, from the IMU in its axes (0 0 0)",
     )
     add_stamps(parser)
     parser.add_argument(
@@ -62,55 +71,45 @@ def add_fuse(commands: Commands) -> None:
         metavar="WHICH",
         help="at which the path is wanted: poses, imu, or a trajectory file that has them (poses)",
     )
-    parser.add_argument(
-        "--online", action="store_true", help="make every pose of what came before it alone"
-    )
-    parser.add_argument(
+    add_flag(parser, "--online", "make every pose of what came before it alone")
+    add_number(
+        parser,
         "--lag",
-        type=float,
+        "make every pose of what was measured up to so many seconds after it (all)",
         metavar="S",
-        help="make every pose of what was measured up to so many seconds after it (all)",
     )
-    parser.add_argument(
-        "--covariance", type=Path, metavar="FILE", help="write 6 by 6 covariances there, as CSV"
-    )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
+    add_file(parser, "--covariance", "write 6 by 6 covariances there, as CSV")
+    add_file(parser, "--json", "write the figures there")
     _add_known(parser)
     _add_doubts(parser)
 
 
 def _add_known(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("the sensor")
-    group.add_argument(
+    add_file(
+        group,
         "--rig",
-        type=Path,
-        metavar="FILE",
-        help="how camera and IMU belong together, TOML of `motorcade calibrate --imu`: scale and "
+        "how camera and IMU belong together, TOML of `motorcade calibrate --imu`: scale and "
         "axes of both sensors, extrinsics, clock offset, noise; other options go before it",
     )
-    group.add_argument(
-        "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
-    )
-    group.add_argument(
-        "--noise-factor", type=float, help="times its white noise, for a sensor that moves (10)"
-    )
-    group.add_argument("--walk-factor", type=float, help="times its bias walks (1)")
-    group.add_argument(
+    add_file(group, "--noise", "Kalibr or EuRoC YAML; without it: ADIS16448")
+    add_number(group, "--noise-factor", "times its white noise, for a sensor that moves (10)")
+    add_number(group, "--walk-factor", "times its bias walks (1)")
+    add_flag(
+        group,
         "--learn-noise",
-        action="store_true",
-        help="learn its noise from how well poses are predicted, starting from that",
+        "learn its noise from how well poses are predicted, starting from that",
     )
-    group.add_argument(
+    add_file(
+        group,
         "--extrinsics",
-        type=Path,
-        metavar="FILE",
-        help="imu_T_camera: JSON of `motorcade sync`, Kalibr's chain, evo's JSON, or 4 by 4 "
+        "imu_T_camera: JSON of `motorcade sync`, Kalibr's chain, evo's JSON, or 4 by 4 "
         "numbers; without it the poses are the IMU's",
     )
-    group.add_argument(
+    add_number(
+        group,
         "--offset-s",
-        type=float,
-        help="what the IMU's clock shows minus what the poses' does (0, or as Kalibr's chain says)",
+        "what the IMU's clock shows minus what the poses' does (0, or as Kalibr's chain says)",
     )
     group.add_argument(
         "--estimate",
@@ -119,42 +118,33 @@ def _add_known(parser: argparse.ArgumentParser) -> None:
         choices=("extrinsics", "offset"),
         help="find these by the motion of both, as `motorcade sync` does; the filter refines them",
     )
-    group.add_argument("--gravity-m-s2", type=float, default=9.81, help="size of gravity (9.81)")
+    add_number(group, "--gravity-m-s2", "size of gravity (9.81)", 9.81)
 
 
 def _add_doubts(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("deviations, an axis")
-    group.add_argument("--sigma-m", type=float, help="of positions (from how rough they are)")
-    group.add_argument("--sigma-deg", type=float, help="of rotations (likewise)")
-    group.add_argument(
-        "--gravity-sigma-deg",
-        type=float,
-        default=1.0,
-        help="of the world's z from up, which is estimated then (1)",
+    add_number(group, "--sigma-m", "of positions (from how rough they are)")
+    add_number(group, "--sigma-deg", "of rotations (likewise)")
+    add_number(
+        group, "--gravity-sigma-deg", "of the world's z from up, which is estimated then (1)", 1.0
     )
-    group.add_argument(
-        "--extrinsics-sigma-deg", type=float, help="of extrinsics' rotation, estimated then (1)"
-    )
-    group.add_argument(
-        "--extrinsics-sigma-m", type=float, help="of extrinsics' place, estimated then (0)"
-    )
-    group.add_argument(
+    add_number(group, "--extrinsics-sigma-deg", "of extrinsics' rotation, estimated then (1)")
+    add_number(group, "--extrinsics-sigma-m", "of extrinsics' place, estimated then (0)")
+    add_number(
+        group,
         "--least-accepted",
-        type=float,
-        default=0.5,
+        "of the poses: where fewer agree with the IMU there is no result; 0: always one (0.5)",
+        0.5,
         metavar="SHARE",
-        help="of the poses: where fewer agree with the IMU there is no result; 0: always one (0.5)",
     )
-    group.add_argument(
-        "--gate", type=float, default=0.9999, help="probability that a good pose passes (0.9999)"
-    )
+    add_number(group, "--gate", "probability that a good pose passes (0.9999)", 0.9999)
 
 
 def fuse(arguments: argparse.Namespace) -> None:
     """Read, fuse, write; print what was found."""
     import numpy as np
 
-    from motorcade.replays.io.readers.manifest.inertial import read_imu_calibration
+    from motorcade.replays.io.readers.manifest.sensors import read_imu_calibration
     from motorcade.replays.io.readers.readings import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
     from motorcade.replays.tasks.fusing import fuse_poses, write_covariance
@@ -259,20 +249,11 @@ def add_sync(commands: Commands) -> None:
         "motorcade sync camera.tum imu0/data.csv --json sync.json",
     )
     parser.add_argument("camera", type=Path, metavar="CAMERA_TRAJECTORY")
-    parser.add_argument(
-        "imu",
-        type=Path,
-        metavar="IMU",
-        help="whatever holds readings, as of `orient`",
-    )
-    parser.add_argument(
-        "--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML; without it: ADIS16448"
-    )
-    parser.add_argument(
-        "--search-s", type=float, default=2.0, help="largest offset that is looked for (2 s)"
-    )
+    add_file(parser, "imu", "whatever holds readings, as of `orient`", "IMU")
+    add_file(parser, "--noise", "Kalibr or EuRoC YAML; without it: ADIS16448")
+    add_number(parser, "--search-s", "largest offset that is looked for (2 s)", 2.0)
     add_stamps(parser)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the results there")
+    add_file(parser, "--json", "write the results there")
 
 
 def sync(arguments: argparse.Namespace) -> None:

@@ -9,6 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from motorcade.replays.cli.arguments import (
     Commands,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+    add_output,
     add_seed,
     chosen,
     print_json,
@@ -35,18 +40,13 @@ def add_simulate_imu(commands: Commands) -> None:
         "--gyro-bias 0.01 0 -0.02 --dropped 0.01",
     )
     parser.add_argument("trajectory", type=Path, metavar="TRAJECTORY")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="OUT",
-        help="EuRoC's CSV, or the same arrays as .npz: smaller, and quicker to write and read",
+    add_output(
+        parser,
+        "OUT",
+        "EuRoC's CSV, or the same arrays as .npz: smaller, and quicker to write and read",
     )
-    parser.add_argument("--rate-hz", type=float, default=200.0, help="of the samples (200)")
-    parser.add_argument(
-        "--times", type=Path, metavar="FILE", help="stamps of a KITTI file's poses, one a row, s"
-    )
+    add_number(parser, "--rate-hz", "of the samples (200)", 200.0)
+    add_file(parser, "--times", "stamps of a KITTI file's poses, one a row, s")
     add_seed(parser, 0, "the noise")
     parser.add_argument(
         "--noise",
@@ -55,11 +55,11 @@ def add_simulate_imu(commands: Commands) -> None:
         default=[],
         help="Kalibr or EuRoC YAML, or one for each of x, y and z, or 'none'; else ADIS16448",
     )
-    parser.add_argument(
+    add_number(
+        parser,
         "--knots-s",
-        type=float,
-        default=0.1,
-        help="spacing of the spline's knots; it follows motion up to 1 / (4 spacing) Hz (0.1)",
+        "spacing of the spline's knots; it follows motion up to 1 / (4 spacing) Hz (0.1)",
+        0.1,
     )
     _add_extrinsics(parser)
     _add_faults(parser)
@@ -68,16 +68,14 @@ def add_simulate_imu(commands: Commands) -> None:
 
 def _add_extrinsics(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("where the sensor sits, and its clock")
-    group.add_argument(
+    add_number(
+        group,
         "--imu-from-poses",
-        type=float,
+        "where the poses are a camera's: that frame in the IMU's axes (imu_T_camera)",
         nargs=7,
         metavar=("TX", "TY", "TZ", "QX", "QY", "QZ", "QW"),
-        help="where the poses are a camera's: that frame in the IMU's axes (imu_T_camera)",
     )
-    group.add_argument(
-        "--time-offset-s", type=float, default=0.0, help="what the IMU's clock shows too much"
-    )
+    add_number(group, "--time-offset-s", "what the IMU's clock shows too much", 0.0)
 
 
 _AXES = (
@@ -132,26 +130,21 @@ def _add_faults(parser: argparse.ArgumentParser) -> None:
         default = [1.0] * 3 if name.endswith("scale") else [0.0] * 3
         group.add_argument(name, dest=field, default=default, help=text, **axes)
     for name, number, text in _NUMBERS:
-        group.add_argument(name, type=float, default=number, help=text)
+        add_number(group, name, text, number)
 
 
 def _add_vibration(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("vibration of what carries it")
     sources = group.add_mutually_exclusive_group()
-    sources.add_argument(
+    add_file(
+        sources,
         "--vibration",
-        type=Path,
-        metavar="SPECTRUM.csv",
-        help="rows of Hz, (rad/s)²/Hz for x, y, z and (m/s²)²/Hz for x, y, z",
+        "rows of Hz, (rad/s)²/Hz for x, y, z and (m/s²)²/Hz for x, y, z",
+        "SPECTRUM.csv",
     )
-    sources.add_argument(
-        "--vibration-of", type=Path, metavar="IMU", help="a recording in motion to learn it from"
-    )
-    group.add_argument(
-        "--vibration-above-hz",
-        type=float,
-        default=10.0,
-        help="what is slower in that recording is its motion (10)",
+    add_file(sources, "--vibration-of", "a recording in motion to learn it from", "IMU")
+    add_number(
+        group, "--vibration-above-hz", "what is slower in that recording is its motion (10)", 10.0
     )
 
 
@@ -232,8 +225,8 @@ def add_allan(commands: Commands) -> None:
         "motorcade allan static.csv --plot allan.svg",
     )
     parser.add_argument("stream", type=Path, metavar="STREAM")
-    parser.add_argument("--json", action="store_true", help="machine-readable")
-    parser.add_argument("--plot", type=Path, metavar="FILE.svg", help="draw the curves there")
+    add_flag(parser, "--json", "machine-readable")
+    add_file(parser, "--plot", "draw the curves there", "FILE.svg")
 
 
 def allan(arguments: argparse.Namespace) -> None:
@@ -314,45 +307,39 @@ def add_orient(commands: Commands) -> None:
         "orientation of an inertial sensor (z up; with a magnetometer y to the north)",
         "motorcade orient imu0/data.csv --magnetometer mag0/data.csv -o orientation.tum",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "imu",
-        type=Path,
-        metavar="IMU",
-        help="whatever holds readings: a recording's folder, CSV, a phone's logger (folder or "
+        "whatever holds readings: a recording's folder, CSV, a phone's logger (folder or "
         "zip), BAG:/topic, a GoPro's video, PX4's .ulg, KITTI's oxts, BROAD's .hdf5",
+        "IMU",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="OUT.tum", help="positions are 0"
-    )
-    parser.add_argument(
+    add_output(parser, "OUT.tum", "positions are 0")
+    add_file(
+        parser,
         "--magnetometer",
-        type=Path,
+        "CSV: stamp in ns, x, y, z in any unit and in the IMU's axes; without FILE: what IMU "
+        "holds itself, as its header or its kind says, or in three more columns",
         nargs="?",
         const=Path(),
-        metavar="FILE",
-        help="CSV: stamp in ns, x, y, z in any unit and in the IMU's axes; without FILE: what IMU "
-        "holds itself, as its header or its kind says, or in three more columns",
     )
-    parser.add_argument(
-        "--online", action="store_true", help="each sample by what came before it alone"
-    )
-    parser.add_argument(
+    add_flag(parser, "--online", "each sample by what came before it alone")
+    add_choice(
+        parser,
         "--readings",
-        choices=("interval", "instant"),
-        default="interval",
-        help="a reading is the mean since the stamp before, or holds at its stamp (interval)",
+        ("interval", "instant"),
+        "a reading is the mean since the stamp before, or holds at its stamp (interval)",
+        "interval",
     )
-    parser.add_argument("--noise", type=Path, metavar="FILE", help="Kalibr or EuRoC YAML")
-    parser.add_argument(
+    add_file(parser, "--noise", "Kalibr or EuRoC YAML")
+    add_file(
+        parser,
         "--deviations",
-        type=Path,
-        metavar="OUT.csv",
-        help="deviations of tilt and heading, gyro bias, rest and field a sample",
+        "deviations of tilt and heading, gyro bias, rest and field a sample",
+        "OUT.csv",
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the summary there")
-    parser.add_argument(
-        "--strict", action="store_true", help="exit with 1 where the result is doubtful"
-    )
+    add_file(parser, "--json", "write the summary there")
+    add_flag(parser, "--strict", "exit with 1 where the result is doubtful")
 
 
 def orient(arguments: argparse.Namespace) -> None:

@@ -9,7 +9,15 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Commands, add_axes, print_json, shown
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_axes,
+    add_file,
+    add_flag,
+    add_number,
+    print_json,
+    shown,
+)
 
 if TYPE_CHECKING:
     from motorcade.replays.pipeline.runs import Shown
@@ -26,14 +34,12 @@ def add_inspect(commands: Commands) -> None:
         "  motorcade inspect knight.glb --pose Walking_A@0.5",
     )
     parser.add_argument("recording", type=Path, metavar="RECORDING|BAG|FILE|CHARACTER")
-    parser.add_argument(
-        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
-    )
+    add_file(parser, "--manifest", "TOML description of the recording")
     parser.add_argument(
         "--pose", metavar="CLIP@SECONDS", help="also tell where a character's joints then are"
     )
     add_axes(parser)
-    parser.add_argument("--json", action="store_true", help="machine-readable")
+    add_flag(parser, "--json", "machine-readable")
 
 
 def inspect(arguments: argparse.Namespace) -> None:
@@ -118,16 +124,10 @@ def add_view(commands: Commands) -> None:
         "look into a run in the browser: film, world and plots over one timeline",
         "motorcade view out/run",
     )
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
-    parser.add_argument(
-        "other", type=Path, nargs="?", metavar="OTHER", help="another run, set beside it"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="FILE", help="the page, ending in .html (default RUN/view.html)"
-    )
-    parser.add_argument(
-        "--no-open", action="store_true", help="write the page, and open no browser"
-    )
+    add_file(parser, "run", "folder that `motorcade run` wrote", "RUN")
+    add_file(parser, "other", "another run, set beside it", "OTHER", nargs="?")
+    add_file(parser, "--out", "the page, ending in .html (default RUN/view.html)")
+    add_flag(parser, "--no-open", "write the page, and open no browser")
 
 
 def view(arguments: argparse.Namespace) -> None:
@@ -156,28 +156,27 @@ def add_export(commands: Commands) -> None:
         "Rerun, COLMAP, nerfstudio",
         "motorcade export out/run --gltf run.glb --rrd run.rrd",
     )
-    parser.add_argument("run", type=Path, metavar="RUN", help="folder that `motorcade run` wrote")
-    parser.add_argument("--gltf", type=Path, metavar="FILE", help="binary glTF, ending in .glb")
-    parser.add_argument("--rrd", type=Path, metavar="FILE", help="recording of Rerun")
-    parser.add_argument("--usd", type=Path, metavar="FILE", help="USD, ending in .usda or .usdc")
-    parser.add_argument("--colmap", type=Path, metavar="DIR", help="images and COLMAP's text model")
-    parser.add_argument("--nerfstudio", type=Path, metavar="DIR", help="images and transforms.json")
+    add_file(parser, "run", "folder that `motorcade run` wrote", "RUN")
+    add_file(parser, "--gltf", "binary glTF, ending in .glb")
+    add_file(parser, "--rrd", "recording of Rerun")
+    add_file(parser, "--usd", "USD, ending in .usda or .usdc")
+    add_file(parser, "--colmap", "images and COLMAP's text model", "DIR")
+    add_file(parser, "--nerfstudio", "images and transforms.json", "DIR")
     parser.add_argument(
         "--every", type=int, default=1, metavar="N", help="of the images written (1)"
     )
-    parser.add_argument(
+    add_number(
+        parser,
         "--max-gap-s",
-        type=float,
-        metavar="S",
-        help="leave out frames between poses that are farther apart (glTF holds the path's own "
+        "leave out frames between poses that are farther apart (glTF holds the path's own "
         "poses alone)",
+        metavar="S",
     )
 
 
 def export(arguments: argparse.Namespace) -> None:
     """Read the run and write what was asked for."""
-    from motorcade.replays.pipeline.export.images import write_colmap, write_nerfstudio
-    from motorcade.replays.pipeline.export.usd import write_usd
+    from motorcade.replays.pipeline.export import write_colmap, write_nerfstudio, write_usd
     from motorcade.replays.pipeline.runs import open_run, write_rrd, write_run_gltf
 
     writers: dict[str, Callable[[Shown, Path], None]] = {

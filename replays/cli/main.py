@@ -19,7 +19,6 @@ from motorcade import __version__
 from motorcade.replays.cli import (
     cameras,
     characters,
-    comparison,
     evaluation,
     fusion,
     imu,
@@ -53,8 +52,8 @@ COMMANDS = (
     characters.add_author,
     inspection.add_view,
     inspection.add_export,
-    comparison.add_compare,
-    comparison.add_consistency,
+    evaluation.add_compare,
+    evaluation.add_consistency,
     tools.add_doctor,
     tools.add_completion,
 )

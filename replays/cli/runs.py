@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 from motorcade.replays.cli.arguments import (
     Commands,
     add_executor,
+    add_file,
+    add_flag,
     add_seed,
     one_line,
     print_json,
@@ -41,16 +43,14 @@ def add_run(commands: Commands) -> None:
         "track, fuse, smooth and augment recordings; leave videos and error reports",
         "motorcade run images/ --manifest camera.toml --out out/run --set fused.gate=0.99",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "recordings",
-        type=Path,
+        "folder, video or bag; of several, each leaves its results in OUT/NAME",
+        "RECORDING",
         nargs="+",
-        metavar="RECORDING",
-        help="folder, video or bag; of several, each leaves its results in OUT/NAME",
     )
-    parser.add_argument(
-        "--manifest", type=Path, metavar="FILE", help="TOML description of the recording"
-    )
+    add_file(parser, "--manifest", "TOML description of the recording")
     parser.add_argument(
         "--topic", metavar="T", help="of the images in a bag, as RECORDING:T names it, too"
     )
@@ -64,9 +64,7 @@ def add_run(commands: Commands) -> None:
     which.add_argument(
         "--shot", type=int, metavar="N", help="run shot N of a clip with cuts (the longest)"
     )
-    which.add_argument(
-        "--all-shots", action="store_true", help="run every shot, each into OUT/shot-N"
-    )
+    add_flag(which, "--all-shots", "run every shot, each into OUT/shot-N")
     parser.add_argument(
         "--floor", type=int, metavar="N", help="stand on the N-th of what the report offers"
     )
@@ -76,7 +74,7 @@ def add_run(commands: Commands) -> None:
 
 def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
     """Options shared with `demo`."""
-    parser.add_argument("--out", type=Path, default=out, metavar="DIR", help=f"results ({out})")
+    add_file(parser, "--out", f"results ({out})", "DIR", default=out)
     parser.add_argument(
         "--until",
         default="report",
@@ -91,20 +89,18 @@ def add_run_options(parser: argparse.ArgumentParser, out: Path) -> None:
         metavar="STAGE.KNOB=VALUE",
         help="change a knob; `motorcade graph --knobs` lists them",
     )
-    parser.add_argument(
-        "--scene", type=Path, metavar="FILE", help="set this scene into the footage"
-    )
-    parser.add_argument("--cache", type=Path, metavar="DIR", help="stage outputs (OUT/.cache)")
-    parser.add_argument("--json", action="store_true", help="print the error report as JSON")
+    add_file(parser, "--scene", "set this scene into the footage")
+    add_file(parser, "--cache", "stage outputs (OUT/.cache)", "DIR")
+    add_flag(parser, "--json", "print the error report as JSON")
     add_strict(parser)
 
 
 def add_strict(parser: argparse.ArgumentParser) -> None:
     """The option that makes a failure of a doubtful result."""
-    parser.add_argument(
+    add_flag(
+        parser,
         "--strict",
-        action="store_true",
-        help="exit with 1 where a result is doubtful; the results are there all the same",
+        "exit with 1 where a result is doubtful; the results are there all the same",
     )
 
 
@@ -117,7 +113,7 @@ def _board_name(text: str) -> str:
 
 def run_recordings(arguments: argparse.Namespace) -> None:
     """Run one recording here, or several by the executor asked for."""
-    from motorcade.replays.engine.executors import check_executor, outcomes
+    from motorcade.replays.engine.jobs import check_executor, outcomes
     from motorcade.replays.pipeline.job import Job, require_integrity, shot_job, shot_jobs
 
     check_executor(arguments.executor)
@@ -365,18 +361,16 @@ def add_sweep(commands: Commands) -> None:
     )
     parser.description = SWEEP
     parser.add_argument("config", type=Path, metavar="CONFIG.toml")
-    parser.add_argument(
-        "--out", type=Path, default=Path("out/sweep"), metavar="DIR", help="results (out/sweep)"
-    )
+    add_file(parser, "--out", "results (out/sweep)", "DIR", default=Path("out/sweep"))
     add_executor(parser, "processes")
-    parser.add_argument("--json", action="store_true", help="print the table as JSON")
+    add_flag(parser, "--json", "print the table as JSON")
     add_strict(parser)
 
 
 def sweep_recordings(arguments: argparse.Namespace) -> None:
     """Read the file, run what is missing, say where the results lie; failures end with status 1."""
     from motorcade.replays.comparison.sweep import read_sweep, run_sweep
-    from motorcade.replays.engine.executors import check_executor
+    from motorcade.replays.engine.jobs import check_executor
     from motorcade.replays.pipeline.job import pipeline_graph, require_integrity
 
     plan = read_sweep(arguments.config, pipeline_graph())
@@ -414,18 +408,17 @@ def add_graph(commands: Commands) -> None:
         "draw the stage graph",
         "motorcade graph --svg graph.svg",
     )
-    parser.add_argument("--svg", type=Path, metavar="FILE", help="write an image instead")
-    parser.add_argument(
+    add_file(parser, "--svg", "write an image instead")
+    add_flag(
+        parser,
         "--knobs",
-        action="store_true",
-        help="tell every stage's knobs instead: default, values (units end the name), meaning",
+        "tell every stage's knobs instead: default, values (units end the name), meaning",
     )
 
 
 def draw_graph(arguments: argparse.Namespace) -> None:
     """Print or write the drawing."""
-    from motorcade.replays.engine.graph import draw_mermaid, draw_svg
-    from motorcade.replays.engine.knobs import described_knobs
+    from motorcade.replays.engine.graph import described_knobs, draw_mermaid, draw_svg
     from motorcade.replays.io.files import write_bytes
     from motorcade.replays.pipeline.described.describing import description_graph
     from motorcade.replays.pipeline.job import pipeline_graph

@@ -12,7 +12,15 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from motorcade.replays.cli.arguments import Commands, print_json
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+    add_output,
+    print_json,
+)
 
 
 def add_draw(commands: Commands) -> None:
@@ -23,7 +31,7 @@ def add_draw(commands: Commands) -> None:
         "draw what a CLUScript marks with ':', as SVG or as a page that turns",
         "motorcade draw reach.clu x=1 y=0.5 t=0,0.25,0.5 -o reach.svg",
     )
-    parser.add_argument("script", type=Path, metavar="SCRIPT", help="with marks such as :a;")
+    add_file(parser, "script", "with marks such as :a;", "SCRIPT")
     parser.add_argument(
         "values",
         nargs="*",
@@ -36,13 +44,13 @@ def add_draw(commands: Commands) -> None:
         metavar="NAME",
         help="of a script that does not name it: cga3, pga3, … or a definition, FILE.toml (cga3)",
     )
-    parser.add_argument(
+    add_number(
+        parser,
         "--view",
+        "the direction to the viewer in degrees, from x about z and up (-52 22)",
+        (-52.0, 22.0),
         nargs=2,
-        type=float,
-        default=(-52.0, 22.0),
         metavar=("AZIMUTH", "ELEVATION"),
-        help="the direction to the viewer in degrees, from x about z and up (-52 22)",
     )
     parser.add_argument(
         "--size",
@@ -52,9 +60,7 @@ def add_draw(commands: Commands) -> None:
         metavar=("WIDTH", "HEIGHT"),
         help="in pixels (640 480)",
     )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", required=True, help="to write: .svg or .html"
-    )
+    add_output(parser, "FILE", "to write: .svg or .html")
 
 
 def _value(text: str) -> tuple[str, list[float]]:
@@ -114,27 +120,24 @@ def add_generate(commands: Commands) -> None:
         "write a CLUScript as C, NumPy, GLSL, Rust, JavaScript, … or LaTeX",
         "motorcade generate blend.clu --target numpy -o blend.py",
     )
-    parser.add_argument("script", type=Path, metavar="SCRIPT", help="its name names the function")
-    parser.add_argument("--target", choices=TARGET_NAMES, default="c", help="(c)")
-    parser.add_argument(
+    add_file(parser, "script", "its name names the function", "SCRIPT")
+    add_choice(parser, "--target", TARGET_NAMES, "(c)", "c")
+    add_choice(
+        parser,
         "--strategy",
-        choices=("table", "table-code", "product", "program"),
-        default="program",
-        help="for C: interpret a table, or have it as code; one function a product; or the whole "
+        ("table", "table-code", "product", "program"),
+        "for C: interpret a table, or have it as code; one function a product; or the whole "
         "program (program)",
+        "program",
     )
-    parser.add_argument(
-        "--precision", choices=("float32", "float64"), help="(the target's own, or its inputs')"
-    )
+    add_choice(parser, "--precision", ("float32", "float64"), "(the target's own, or its inputs')")
     parser.add_argument(
         "--algebra",
         metavar="NAME",
         help="of a script without algebra pragma: pga3, …, a signature 'P Q R', or a definition of "
         "your own, FILE.toml (cga3)",
     )
-    parser.add_argument(
-        "--stats", action="store_true", help="operations after each pass, to stderr"
-    )
+    add_flag(parser, "--stats", "operations after each pass, to stderr")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write there; a header goes beside it"
     )
@@ -218,7 +221,7 @@ def add_doctor(commands: Commands) -> None:
         "say what this machine has and lacks: kernels, compiler, OpenGL, video, packages",
         "motorcade doctor --json",
     )
-    parser.add_argument("--json", action="store_true", help="machine-readable")
+    add_flag(parser, "--json", "machine-readable")
 
 
 def doctor(arguments: argparse.Namespace) -> None:

@@ -7,7 +7,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.cli.arguments import Commands, add_stamps, chosen, shown, write_json
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_choice,
+    add_file,
+    add_flag,
+    add_number,
+    add_output,
+    add_stamps,
+    chosen,
+    shown,
+    write_json,
+)
 
 if TYPE_CHECKING:
     from motorcade.ga import Motor, Similarity, Trajectory
@@ -23,21 +34,18 @@ def add_smooth(commands: Commands) -> None:
         "smooth trajectories of TUM, EuRoC and KITTI files, ROS bags and MCAP",
         "motorcade smooth poses.tum -o smooth.tum --method gaussian --set sigma_s=0.1",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "inputs",
-        type=Path,
-        nargs="+",
-        metavar="IN",
-        help="TUM, EuRoC or KITTI file; or BAG:TOPIC, BAG:PARENT/CHILD for frames of tf; several "
+        "TUM, EuRoC or KITTI file; or BAG:TOPIC, BAG:PARENT/CHILD for frames of tf; several "
         "are smoothed each for itself",
+        "IN",
+        nargs="+",
     )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="OUT",
-        help="file, by whose ending it is written (.tum .txt, .csv, .kitti); of several inputs a "
+    add_output(
+        parser,
+        "OUT",
+        "file, by whose ending it is written (.tum .txt, .csv, .kitti); of several inputs a "
         "folder: each comes as it was, of bags as TUM",
     )
     parser.add_argument(
@@ -47,9 +55,7 @@ def add_smooth(commands: Commands) -> None:
         metavar="T",
         help="what is read of bags without a topic: a topic, or PARENT/CHILD; may be repeated",
     )
-    parser.add_argument(
-        "--all-topics", action="store_true", help="every topic of poses of bags without a topic"
-    )
+    add_flag(parser, "--all-topics", "every topic of poses of bags without a topic")
     parser.add_argument(
         "--representation", metavar="R", help="motor by default; of auto what predicts better"
     )
@@ -66,12 +72,8 @@ def add_smooth(commands: Commands) -> None:
     parser.add_argument(
         "--list", action=_List, nargs=0, help="list methods, parameters, representations; and exit"
     )
-    parser.add_argument(
-        "--report", action="store_true", help="say how far poses moved and how jitter fell, as JSON"
-    )
-    parser.add_argument(
-        "--format", choices=("tum", "euroc", "kitti"), help="of files read and written"
-    )
+    add_flag(parser, "--report", "say how far poses moved and how jitter fell, as JSON")
+    add_choice(parser, "--format", ("tum", "euroc", "kitti"), "of files read and written")
     add_stamps(parser)
 
 
@@ -212,17 +214,15 @@ def add_trajectory(commands: Commands) -> None:
         "motorcade trajectory flight.bag:/odom -o odom.tum --reference truth.tum "
         "--align se3 --plot odom.pdf",
     )
-    parser.add_argument(
+    add_file(
+        parser,
         "inputs",
-        type=Path,
-        nargs="+",
-        metavar="IN",
-        help="TUM, EuRoC or KITTI file; or BAG:TOPIC, BAG:PARENT/CHILD for frames of tf; of a bag "
+        "TUM, EuRoC or KITTI file; or BAG:TOPIC, BAG:PARENT/CHILD for frames of tf; of a bag "
         "alone its trajectories are listed",
+        "IN",
+        nargs="+",
     )
-    parser.add_argument(
-        "--all-topics", action="store_true", help="every topic of poses of bags without a topic"
-    )
+    add_flag(parser, "--all-topics", "every topic of poses of bags without a topic")
     add_stamps(parser)
     _add_output(parser)
     _add_edits(parser)
@@ -235,77 +235,60 @@ def _add_output(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "-o", "--output", type=Path, metavar="OUT", help="file; or a folder, with --format"
     )
-    group.add_argument(
+    add_choice(
+        group,
         "--format",
-        choices=("tum", "euroc", "kitti"),
-        help="of what is written (by OUT's ending: .tum .txt, .csv, .kitti)",
+        ("tum", "euroc", "kitti"),
+        "of what is written (by OUT's ending: .tum .txt, .csv, .kitti)",
     )
-    group.add_argument("--json", type=Path, metavar="FILE", help="write the figures there")
-    group.add_argument(
-        "--plot", type=Path, metavar="FILE", help="draw path, axes, angles, speed: .svg, .pdf, .png"
-    )
-    group.add_argument(
-        "--plot-plane",
-        choices=("xy", "xz", "yz"),
-        help="of the path (the one in which it goes farthest)",
+    add_file(group, "--json", "write the figures there")
+    add_file(group, "--plot", "draw path, axes, angles, speed: .svg, .pdf, .png")
+    add_choice(
+        group, "--plot-plane", ("xy", "xz", "yz"), "of the path (the one in which it goes farthest)"
     )
 
 
 def _add_edits(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("edits, done in this order, before those below")
-    group.add_argument(
-        "--invert", action="store_true", help="poses are camera_T_world: make them world_T_camera"
-    )
-    group.add_argument("--scale", type=float, default=1.0, metavar="S", help="of positions (1)")
-    group.add_argument("--start-s", type=float, metavar="T", help="leave out poses before T")
-    group.add_argument("--end-s", type=float, metavar="T", help="leave out poses after T")
+    add_flag(group, "--invert", "poses are camera_T_world: make them world_T_camera")
+    add_number(group, "--scale", "of positions (1)", 1.0, metavar="S")
+    add_number(group, "--start-s", "leave out poses before T", metavar="T")
+    add_number(group, "--end-s", "leave out poses after T", metavar="T")
     group.add_argument("--downsample", type=int, metavar="N", help="keep N poses at most")
-    group.add_argument(
+    add_number(
+        group,
         "--motion-filter",
-        type=float,
+        "leave out poses that are nearer than both to the one before",
         nargs=2,
         metavar=("M", "DEG"),
-        help="leave out poses that are nearer than both to the one before",
     )
-    group.add_argument("--merge", action="store_true", help="make one trajectory of all")
-    group.add_argument("--offset-s", type=float, default=0.0, help="to add to the stamps (0)")
-    group.add_argument("--resample-hz", type=float, metavar="HZ", help="poses at an even rate")
-    group.add_argument(
-        "--resample-as", type=Path, metavar="FILE", help="poses at this trajectory's stamps"
-    )
-    group.add_argument(
+    add_flag(group, "--merge", "make one trajectory of all")
+    add_number(group, "--offset-s", "to add to the stamps (0)", 0.0)
+    add_number(group, "--resample-hz", "poses at an even rate", metavar="HZ")
+    add_file(group, "--resample-as", "poses at this trajectory's stamps")
+    add_number(
+        group,
         "--max-gap-s",
-        type=float,
+        "of both: leave out poses in longer gaps (all stay, and gaps are said)",
         metavar="S",
-        help="of both: leave out poses in longer gaps (all stay, and gaps are said)",
     )
 
 
 def _add_reference(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("by a reference")
-    group.add_argument(
-        "--reference", type=Path, metavar="REF", help="trajectory of the ground truth"
-    )
-    group.add_argument(
+    add_file(group, "--reference", "trajectory of the ground truth", "REF")
+    add_choice(
+        group,
         "--align",
-        choices=("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
-        default="none",
-        help="bring each into the reference's world (none)",
+        ("none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"),
+        "bring each into the reference's world (none)",
+        "none",
     )
     group.add_argument("--n-to-align", type=int, metavar="N", help="by the first N pairs (all)")
-    group.add_argument(
-        "--max-difference-s",
-        type=float,
-        default=0.01,
-        help="stamps farther apart are not paired (0.01 s)",
-    )
-    group.add_argument(
-        "--sync", action="store_true", help="keep only poses that are paired with the reference's"
-    )
-    group.add_argument(
-        "--interpolate",
-        action="store_true",
-        help="take the trajectory with more poses at the stamps of the other one",
+    add_number(group, "--max-difference-s", "stamps farther apart are not paired (0.01 s)", 0.01)
+    add_flag(group, "--sync", "keep only poses that are paired with the reference's")
+    add_flag(
+        group, "--interpolate", "take the trajectory with more poses at the stamps of the other one"
     )
 
 
@@ -313,15 +296,11 @@ def _add_transforms(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
         "transforms, done last", "FILE: JSON (x y z qx qy qz qw, scale), or 4 by 4 text or .npy"
     )
-    group.add_argument("--transform-left", type=Path, metavar="FILE", help="T @ pose: the world")
-    group.add_argument(
-        "--transform-right", type=Path, metavar="FILE", help="pose @ T: the frame that moves"
-    )
-    group.add_argument("--invert-transform", action="store_true", help="of both FILEs")
-    group.add_argument(
-        "--propagate", action="store_true", help="--transform-right to each step: growing drift"
-    )
-    group.add_argument("--project", choices=("xy", "xz", "yz"), help="to a plane of the world")
+    add_file(group, "--transform-left", "T @ pose: the world")
+    add_file(group, "--transform-right", "pose @ T: the frame that moves")
+    add_flag(group, "--invert-transform", "of both FILEs")
+    add_flag(group, "--propagate", "--transform-right to each step: growing drift")
+    add_choice(group, "--project", ("xy", "xz", "yz"), "to a plane of the world")
 
 
 def trajectory(arguments: argparse.Namespace) -> None:

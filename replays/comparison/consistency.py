@@ -329,7 +329,7 @@ def run_plan(
     call that was stopped goes on where it was, one with more runs or motions computes those.
 
     On a cluster `out` must be a folder that all workers see. The verdicts do not depend on the
-    `executor` (see `motorcade.replays.engine.executors.outcomes`).
+    `executor` (see `motorcade.replays.engine.jobs.outcomes`).
 
     Raises KeyboardInterrupt: stopped by Ctrl-C; what is finished is kept, and no table is written;
     ValueError, RuntimeError: the executor is unknown or cannot be reached; OSError: a folder that

@@ -42,8 +42,11 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.ga import Motor, Trajectory, blend
-from motorcade.replays.comparison.cells import (
+from motorcade.replays.comparison.evaluator import PathEvaluator
+from motorcade.replays.comparison.plan import (
+    COMPARED,
     ComparisonCell,
+    ComparisonPlan,
     MeasuredRow,
     Setting,
     inputs_of,
@@ -51,8 +54,6 @@ from motorcade.replays.comparison.cells import (
     run_cell,
     why,
 )
-from motorcade.replays.comparison.evaluator import PathEvaluator
-from motorcade.replays.comparison.plan import COMPARED, ComparisonPlan
 from motorcade.replays.comparison.statistics import Sample
 from motorcade.replays.comparison.tables import Outcome, write_tables
 from motorcade.replays.comparison.truth import RecordedMotion, RecordedTruth, digest_of
@@ -66,7 +67,7 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
     Args:
         plan: what to run.
         out: folder for the results; what earlier runs finished there is used.
-        executor: see `motorcade.replays.engine.executors.outcomes`; the results do not depend on
+        executor: see `motorcade.replays.engine.jobs.outcomes`; the results do not depend on
             it, but for times.
 
     Raises:
@@ -248,7 +249,7 @@ def compare_recorded(
         methods: names of `METHODS`.
         representations: of `REPRESENTATION_NAMES`; by default those of the standard plan.
         align: "se3" where the worlds differ, "sim3" where the scale does too, else "none".
-        executor: see `motorcade.replays.engine.executors.outcomes`.
+        executor: see `motorcade.replays.engine.jobs.outcomes`.
 
     Raises:
         ValueError: fewer than 200 poses within the ground truth, positions that cannot be aligned,

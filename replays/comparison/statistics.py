@@ -34,8 +34,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.cells import RAW, ComparisonCell, MeasuredRow
 from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.plan import RAW, ComparisonCell, MeasuredRow
 
 RESAMPLES = 2000
 _SEED = 20240229

@@ -39,8 +39,8 @@ import numpy as np
 
 from motorcade import __version__
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.cells import RAW
 from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.plan import RAW
 from motorcade.replays.comparison.statistics import (
     FLOORS,
     Group,

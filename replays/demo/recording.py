@@ -29,7 +29,7 @@ from motorcade.ga.unfinished import unfinished
 from motorcade.render import Layer, Renderer, Surface, new_renderer
 from motorcade.replays.demo.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
 from motorcade.replays.demo.scene import room
-from motorcade.replays.engine.provenance import code_digest
+from motorcade.replays.engine.store import code_digest
 from motorcade.replays.io.imu import write_imu
 from motorcade.replays.io.trajectories import even_stamps, write_trajectory
 from motorcade.replays.stages.view.placed import CAST_SAYS

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Surface
 from motorcade.replays.demo import furniture
-from motorcade.replays.demo.furniture import BOARD
-from motorcade.replays.demo.lighting import Occluders, irradiance
+from motorcade.replays.demo.furniture import BOARD, Occluders, irradiance
 
 SKY = np.array([0.86, 0.93, 1.0])
 EXPOSURE = 1.50

@@ -25,8 +25,7 @@ from motorcade.ga.archives import load_arrays, save_arrays_in_parts
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError
 from motorcade.ga.stamps import near_steps
-from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.files import refused, replacing
+from motorcade.replays.io.files import RecordingError, refusal, refused, replacing
 from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
 from motorcade.replays.io.readers.tables import read_table
 

@@ -25,7 +25,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record
 from motorcade.ga.names import printable
 from motorcade.ga.stamps import LONGEST_READOUT_S
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.tracking.checks import check_length
 from motorcade.tracking.markers.families import check_family
 from motorcade.tracking.markers.marker_map import MarkerMap

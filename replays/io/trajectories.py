@@ -34,8 +34,7 @@ from numpy.typing import NDArray
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import write_bytes
+from motorcade.replays.io.files import refusal, write_bytes
 from motorcade.replays.io.readers.columns import POSITION, QUATERNION, opening_rows, read_columns
 from motorcade.replays.io.readers.tables import (
     REACH_M,

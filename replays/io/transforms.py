@@ -16,8 +16,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import read_bounded, refusal
 from motorcade.replays.io.readers.tables import UNIT_TOLERANCE
 
 TRANSFORM_LIMIT = 2**16

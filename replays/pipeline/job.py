@@ -19,8 +19,7 @@ from typing import Any
 
 from motorcade import __version__
 from motorcade.ga.files import off_record
-from motorcade.replays.engine.graph import Graph
-from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine.graph import Graph, parse_knobs
 from motorcade.replays.engine.stage import first_of
 from motorcade.replays.io.readers.manifest.cast import NOBODY, read_cast
 from motorcade.replays.io.readers.manifest.section import FILE_KNOBS, setting_from

@@ -26,15 +26,13 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.stamps import GAP_STEPS, inside_gaps
 from motorcade.render import Performer
-from motorcade.replays.engine.graph import GraphRun
-from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine.graph import GraphRun, parse_knobs
 from motorcade.replays.io.readers.manifest.section import setting_from
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.pipeline.results import trajectories
-from motorcade.replays.stages.camera.as_found import as_found
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import as_found, camera_of
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.tracking.cameras.camera import Camera
 

@@ -18,8 +18,7 @@ from motorcade.render.composite import is_grey
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.runs import read_origin, read_run
-from motorcade.replays.stages.camera.as_found import as_found
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import as_found, camera_of
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.anchored import Grounds

@@ -23,7 +23,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.engine.stage import StageError
-from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import RecordingError, refusal
 from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
@@ -31,11 +31,10 @@ from motorcade.replays.io.readers.layouts.detect import find_layout
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.readings import is_log_of_readings, read_readings
-from motorcade.replays.io.readers.ros.frame_tree import TRANSFORM_TYPES
 from motorcade.replays.io.readers.ros.frames import IMAGE_TYPES, BagFrames
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.readers.ros.recording import CAMERA_INFO_TYPE, FIELD_TYPE, IMU_TYPE
-from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
+from motorcade.replays.io.readers.ros.trajectories import TRANSFORM_TYPES, list_bag_trajectories
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory, trajectory_format
 from motorcade.replays.pipeline.described.describing import open_described, summary

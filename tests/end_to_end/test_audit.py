@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.stages.camera.focal_lengths import found_cameras
+from motorcade.replays.stages.camera.slam_poses import found_cameras
 from tests.end_to_end.audit import (
     boards,
     changed_kitchen,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.trajectories import read_trajectory

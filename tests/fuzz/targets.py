@@ -90,11 +90,11 @@ def _samples(name: str) -> list[bytes]:
 def _telemetry(folder: Path) -> Target:
     import numpy as np
 
-    from motorcade.replays.io.readers import gpmf
+    from motorcade.replays.io.readers import gopro
     from tests.replays.readers import test_gopro
 
     packet = test_gopro.packet(np.ones((8, 3)), np.ones((8, 3)))
-    return Target([packet], lambda data: gpmf._sensors(data, Path("a.mp4")), ".gpmf")
+    return Target([packet], lambda data: gopro._sensors(data, Path("a.mp4")), ".gpmf")
 
 
 _DOOR = "motorcade.animation.formats"

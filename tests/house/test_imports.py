@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.engine import provenance
+from motorcade.replays.engine import store
 from tests.house.sources import SOURCES
 
 pytestmark = SOURCES
@@ -44,15 +44,15 @@ def module_of(path: Path) -> str:
     return ".".join(("motorcade", *parts)).removesuffix(".__init__")
 
 
-def used_names(tree: ast.Module, module: str) -> set[provenance._Use]:
+def used_names(tree: ast.Module, module: str) -> set[store._Use]:
     """Every import of ours, wherever it stands."""
     found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            found |= {provenance._Use(alias.name) for alias in node.names}
+            found |= {store._Use(alias.name) for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            source = provenance._source(node, module)
-            found |= {provenance._Use(source, alias.name) for alias in node.names}
+            source = store._source(node, module)
+            found |= {store._Use(source, alias.name) for alias in node.names}
     return {use for use in found if use.module.partition(".")[0] == "motorcade"}
 
 
@@ -63,8 +63,8 @@ def imports() -> dict[str, set[str]]:
     for room in ROOMS:
         for path in (REPOSITORY / room).rglob("*.py"):
             name = module_of(path)
-            uses = {use for tree in provenance._trees(name) for use in used_names(tree, name)}
-            ends = {end for use in uses for end, _ in provenance._definers(use)}
+            uses = {use for tree in store._trees(name) for use in used_names(tree, name)}
+            ends = {end for use in uses for end, _ in store._definers(use)}
             edges[name] = ends - {name}
     return edges
 

@@ -20,8 +20,7 @@ from motorcade.render import Lighting, Surface, render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
 from motorcade.render.scene import DepthArray, ImageArray
-from motorcade.replays.demo.furniture import BOARD, boxes, world_T_board
-from motorcade.replays.demo.lighting import Occluders, irradiance
+from motorcade.replays.demo.furniture import BOARD, Occluders, boxes, irradiance, world_T_board
 from motorcade.replays.demo.recording import CAMERA, HandheldPath
 from motorcade.replays.demo.scene import developed, room
 

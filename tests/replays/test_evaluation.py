@@ -12,7 +12,7 @@ import pytest
 from motorcade.fusion.metrics import Delta, Statistics, evaluate_matched, match
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.replays.tasks.evaluation import error_image, error_rows
+from motorcade.replays.tasks.editing import error_image, error_rows
 
 SVG = "{http://www.w3.org/2000/svg}"
 

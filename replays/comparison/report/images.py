@@ -19,8 +19,8 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
-from motorcade.replays.comparison.cells import Setting, inputs_of
-from motorcade.replays.comparison.report.names import LABELS, shown
+from motorcade.replays.comparison.plan import Setting, inputs_of
+from motorcade.replays.comparison.report.matrix import LABELS, shown
 from motorcade.replays.comparison.report.results import REFERENCE, Results
 from motorcade.replays.web.pages import PagePlot
 

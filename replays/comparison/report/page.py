@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from motorcade.replays.comparison.report import matrix, names
+from motorcade.replays.comparison.report import matrix
 from motorcade.replays.comparison.report.images import (
     Crossing,
     can_be_drawn,
@@ -24,13 +24,14 @@ from motorcade.replays.comparison.report.images import (
     replay,
     small_panels,
 )
-from motorcade.replays.comparison.report.names import CAUSAL, LABELS, METRICS, RATIOS, listed, shown
+from motorcade.replays.comparison.report.matrix import CAUSAL, LABELS, METRICS, RATIOS, shown
 from motorcade.replays.comparison.report.results import (
     REFERENCE,
     Figure,
     Key,
     Ratio,
     Results,
+    listed,
     range_ends,
     tied,
 )
@@ -99,7 +100,7 @@ def _environment() -> Environment:
         return Markup(str(escape(text)).replace("_", "_<wbr>"))
 
     environment.filters.update(sentence=sentence, name=name)
-    environment.globals.update(names=names, motion_file=motion_file)
+    environment.globals.update(names=matrix, motion_file=motion_file)
     return environment
 
 
@@ -153,7 +154,7 @@ def _motion_page(environment: Environment, results: Results, motion: str) -> str
     return environment.get_template("motion.html").render(
         results=results,
         motion=motion,
-        told=names.MOTIONS.get(motion, "a recording"),
+        told=matrix.MOTIONS.get(motion, "a recording"),
         matrices=matrix.matrices(results, scope),
         ranking=_ranking(results, scope),
         panels=_over_time(results, motion),

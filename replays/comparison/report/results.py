@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from motorcade.ga.files import read_bounded
-from motorcade.replays.comparison.report.names import listed
 from motorcade.replays.comparison.statistics import PRACTICAL_SHARE
 from motorcade.replays.comparison.tables import FORMAT
 
@@ -213,6 +212,11 @@ def _ratio(row: Mapping[str, Any], key: str) -> Ratio:
 _WIDTHS = ("sigma_s", "window_s", "knot_spacing_s")
 # Share of a range, in logarithms, within which a search ended at its end.
 _AT_AN_END = 0.03
+
+
+def listed(names: list[str]) -> str:
+    """``a, b and c``."""
+    return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
 def range_ends(results: Results) -> list[str]:

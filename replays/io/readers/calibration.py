@@ -13,8 +13,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import one_line
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import read_bounded, refusal
 from motorcade.replays.io.readers.tables import data_rows
 from motorcade.replays.io.transforms import as_float, is_number, transform
 from motorcade.tracking.cameras.camera import Camera, CameraModel

@@ -27,8 +27,7 @@ import numpy as np
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import open_bounded
+from motorcade.replays.io.files import open_bounded, refusal
 from motorcade.replays.io.readers.tables import (
     FILE_LIMIT,
     LINE_LIMIT,

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import read_bounded, refusal
 from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats, yaml_model
 from motorcade.replays.io.transforms import (
     TRANSFORM_LIMIT,

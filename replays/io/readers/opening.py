@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers import manifest as manifests
 from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.layouts.detect import read_layout

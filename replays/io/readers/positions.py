@@ -20,8 +20,7 @@ from motorcade.fusion.measurements import GeodeticOrigin
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import read_bounded, refusal
 from motorcade.replays.io.readers import px4
 from motorcade.replays.io.readers.tables import stamp_ns
 

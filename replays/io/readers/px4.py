@@ -14,8 +14,7 @@ import numpy as np
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import admit_file
+from motorcade.replays.io.files import admit_file, refusal
 
 FILE_LIMIT = 2**30
 SUFFIX = ".ulg"

@@ -23,8 +23,7 @@ import numpy as np
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
 from motorcade.ga.progress import reading
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import open_bounded
+from motorcade.replays.io.files import open_bounded, refusal
 
 FILE_LIMIT = 2**30
 LINE_LIMIT = 2**16

@@ -24,7 +24,7 @@ from motorcade.replays.io.files import read_bounded, write_bytes
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from motorcade.replays.io.readers.layouts import loose_images
+from motorcade.replays.io.readers.layouts.detect import LOOSE_IMAGES, RATE_HZ
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
 from motorcade.replays.io.readers.manifest.section import (
     TOML_LIMIT,
@@ -36,20 +36,18 @@ from motorcade.replays.io.readers.manifest.section import (
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import FrameSequence, Recording
 from motorcade.replays.pipeline.described.footage import (
+    GOPRO_IMU_R_CAMERA,
     ChosenShot,
     FoundCamera,
+    SeenTurns,
     camera_by_motion,
     camera_by_target,
+    camera_by_turning,
     camera_by_view,
     camera_of_fixed_place,
+    check_axes,
     explained_by_rotation,
     refuse_oblong_pixels,
-)
-from motorcade.replays.pipeline.described.telemetry import (
-    GOPRO_IMU_R_CAMERA,
-    SeenTurns,
-    camera_by_turning,
-    check_axes,
     seen_turns,
 )
 from motorcade.replays.pipeline.described.values import (
@@ -186,7 +184,7 @@ def described(
     board: str | None = None,
     size_m: float | None = None,
     fov_deg: float | None = None,
-    rate_hz: float = loose_images.RATE_HZ,
+    rate_hz: float = RATE_HZ,
     shot: int = 0,
 ) -> Description:
     """Find out what a recording does not tell, and write it as a manifest.
@@ -285,7 +283,7 @@ class _Describing:
             source = "comparing each image with those before it"
             self._assume("shots", chosen.said, source, "--shot 2")
         frames, root = all_frames, self.recording.root
-        if self.recording.layout != loose_images.LAYOUT or not isinstance(frames, ImageFrames):
+        if self.recording.layout != LOOSE_IMAGES or not isinstance(frames, ImageFrames):
             return
         folder = frames.files[0].parent.relative_to(root)
         lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']

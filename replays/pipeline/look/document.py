@@ -47,7 +47,7 @@ from motorcade.replays.pipeline.look.packing import (
     text,
 )
 from motorcade.replays.pipeline.report.findings import Findings, map_unit, told_paths
-from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import as_found
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.view import PlacedCharacter

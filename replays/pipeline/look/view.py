@@ -12,10 +12,10 @@ from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_frames
 from motorcade.replays.io.files import copy_file, write_bytes
-from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
+from motorcade.replays.io.readers.frames.views import ZoomedFrames
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.report.findings import Findings
-from motorcade.replays.pipeline.report.words import headline
+from motorcade.replays.pipeline.report.summary import headline
 from motorcade.replays.pipeline.runs import read_run
 from motorcade.replays.web.film import film_size, write_film
 from motorcade.replays.web.page import InnerFilm, inner_film, view_page

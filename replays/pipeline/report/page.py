@@ -24,28 +24,33 @@ from motorcade.render.scene import ImageArray
 from motorcade.render.video import read_stamps_s
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
+from motorcade.replays.io.readers.frames.views import ZoomedFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.look.packing import packed
-from motorcade.replays.pipeline.report.before_after import Stills, steadiness, steps_between, stills
-from motorcade.replays.pipeline.report.film import FilmView, film_of, standing_sheet
+from motorcade.replays.pipeline.report.film import (
+    FilmView,
+    Stills,
+    film_of,
+    standing_sheet,
+    steadiness,
+    steps_between,
+    stills,
+)
 from motorcade.replays.pipeline.report.findings import Findings, told_paths
 from motorcade.replays.pipeline.report.images import sections
 from motorcade.replays.pipeline.report.summary import (
     LEFT_AS_IT_WAS,
-    heading,
-    shown_columns,
-    shown_value,
-    summarise,
-)
-from motorcade.replays.pipeline.report.words import (
     errors_caption,
+    heading,
     headline,
     lead,
     next_steps,
     parameters,
+    shown_columns,
+    shown_value,
     stages_caption,
+    summarise,
     tiles,
     to_mend,
 )

@@ -1,15 +1,35 @@
-"""What each way of measuring poses needs from a recording, and the message when it is missing."""
+"""What each way of measuring poses needs from a recording, and the cameras it is seen through."""
 
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.readers.frames.corners import CornerFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Frame, ImageArray, Recording
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.cameras import DepthCamera
+
+
+def as_found(
+    recording: Recording, camera: Camera | None, depth_camera: DepthCamera | None
+) -> Recording:
+    """The recording with other cameras, its depth registered anew; None leaves one as it is."""
+    if camera is not None:
+        recording = replace(recording, camera=camera)
+    frames = recording.frames
+    if not isinstance(frames, ImageFrames):
+        return recording
+    sensor = depth_camera or frames.depth_camera
+    if sensor is None or (camera is None and depth_camera is None):
+        return recording
+    anew = replace(frames, depth_camera=sensor, colour_camera=camera_of(recording))
+    return replace(recording, frames=anew)
+
 
 log = logging.getLogger("motorcade.camera_poses")
 _SPREAD = 8

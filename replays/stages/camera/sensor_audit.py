@@ -15,9 +15,8 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import DepthArray, ImageArray, Recording
-from motorcade.replays.stages.camera.as_found import as_found
 from motorcade.replays.stages.camera.depth import measured_depth
-from motorcade.replays.stages.camera.offered import camera_of
+from motorcade.replays.stages.camera.offered import as_found, camera_of
 from motorcade.tracking import Camera
 from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX, AuditFinding, Verdict, centre_finding
 from motorcade.tracking.depth.cameras import (

@@ -28,6 +28,7 @@ from motorcade.replays.stages.view.candidates import (
     foot_ground,
     grounds_in,
     seen_scene,
+    tall_at,
     weigh_up,
 )
 from motorcade.replays.stages.view.ground import (
@@ -39,7 +40,6 @@ from motorcade.replays.stages.view.ground import (
     known_marker,
     on_top_edge,
 )
-from motorcade.replays.stages.view.in_view import tall_at
 from motorcade.tracking import MarkerGrid, SingleMarker
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream

@@ -44,7 +44,7 @@ from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import Frame, FrameSequence, Recording
-from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import as_found
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.errors import Integrity

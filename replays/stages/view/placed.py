@@ -17,7 +17,7 @@ from motorcade.ga.arrays import FloatArray, IntArray, frozen
 from motorcade.replays.io.readers.manifest.cast import NOBODY, Cast, read_cast
 from motorcade.replays.io.readers.manifest.section import FILE_KNOBS
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.as_found import as_found
+from motorcade.replays.stages.camera.offered import as_found
 from motorcade.replays.stages.characters.acted import MOST_POSES, Acted, acted, things_of
 from motorcade.replays.stages.characters.acting import (
     MANNEQUIN,

@@ -37,8 +37,7 @@ from motorcade.render.light import (
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.video import contact_sheet
-from motorcade.replays.demo.furniture import BOARD, boxes, world_T_board
-from motorcade.replays.demo.lighting import Occluders, irradiance
+from motorcade.replays.demo.furniture import BOARD, Occluders, boxes, irradiance, world_T_board
 from motorcade.replays.demo.recording import CAMERA, HandheldPath
 from motorcade.replays.demo.scene import room
 from motorcade.tracking import track_board

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from motorcade.replays.cli.main import main
-from motorcade.replays.io.readers.manifest.inertial import IMU_KEYS
 from motorcade.replays.io.readers.manifest.reading import FRAMES_KEYS, STEREO_KEYS
 from motorcade.replays.io.readers.manifest.section import BOARD_KEYS, CAMERA_KEYS
+from motorcade.replays.io.readers.manifest.sensors import IMU_KEYS
 from tests.end_to_end.contradictions.drawing import Drawn
 
 _TABLES = {

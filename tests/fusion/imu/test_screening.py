@@ -18,7 +18,7 @@ from motorcade.fusion.imu import (
 )
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import read_imu, write_imu
 
 RIGID = [name for name, motion in MOTIONS.items() if motion.versor is Motor]

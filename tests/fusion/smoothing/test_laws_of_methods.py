@@ -9,7 +9,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.comparison.report.names import CAUSAL
+from motorcade.replays.comparison.report.matrix import CAUSAL
 
 NOISE_RAD, NOISE_M = 0.004, 0.01
 

@@ -335,7 +335,7 @@ def _write_demo(folder: Path) -> None:
     """A small recording in place of the demo's own, which takes half a minute to be drawn."""
     from motorcade.replays.demo import write_recording
     from motorcade.replays.demo.recording import MARKER, ensure_demo_recording
-    from motorcade.replays.engine.provenance import code_digest
+    from motorcade.replays.engine.store import code_digest
 
     folder.parent.mkdir()
     write_tiny(folder, 0.3, count=8)

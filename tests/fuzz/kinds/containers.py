@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers import gopro
 from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
 from motorcade.replays.io.trajectories import read_trajectory
 from tests.fuzz.containers import (
@@ -150,7 +150,7 @@ def _items(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 def _telemetry(body: bytes) -> None:
-    found: dict[bytes, Any] = dict(gpmf._sensors(body, Path("a.mp4")))
+    found: dict[bytes, Any] = dict(gopro._sensors(body, Path("a.mp4")))
     if not all(np.isfinite(values).all() for values in found.values()):
         raise AssertionError("telemetry is not finite")
 

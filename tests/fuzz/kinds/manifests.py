@@ -16,8 +16,8 @@ import cv2
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.engine.knobs import parse_knobs
-from motorcade.replays.io.readers.manifest import reading, section, truth
+from motorcade.replays.engine.graph import parse_knobs
+from motorcade.replays.io.readers.manifest import reading, section, sensors
 from motorcade.replays.io.readers.manifest import reading as slam
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.trajectories import write_trajectory
@@ -47,7 +47,7 @@ KEYS: dict[str, tuple[str, ...]] = {
     "board": ("type", "world_T_board", *{k for keys in section.BOARD_KEYS.values() for k in keys}),
     "markers": section.MARKERS_KEYS,
     "slam": slam.SLAM_KEYS,
-    "truth": truth.TRUTH_KEYS,
+    "truth": sensors.TRUTH_KEYS,
     "imu": reading.IMU_KEYS,
 }
 MATRIX = np.eye(4).tolist()
@@ -114,9 +114,9 @@ RIGHT: dict[str, list[Any]] = {
         "p*",
         "flight.bag",
     ],
-    "format": list(truth._FORMATS),
+    "format": list(sensors._FORMATS),
     "topic": ["/odom", "map/base", "/tf:map.base", "map/odom"],
-    "convention": list(truth._CONVENTIONS),
+    "convention": list(sensors._CONVENTIONS),
     "board_frame": ["opencv", "motorcade"],
     "times": ["times.txt", "gaps.txt"],
     "noise_file": ["imu.yaml"],

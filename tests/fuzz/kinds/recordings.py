@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga import Trajectory
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import read_imu, read_noise
-from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers import gopro
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
@@ -278,6 +278,6 @@ def _noise(path: Path) -> None:
 
 
 def _telemetry(path: Path) -> None:
-    found = gpmf._sensors(path.read_bytes(), path)
+    found = gopro._sensors(path.read_bytes(), path)
     if not all(np.isfinite(values).all() for values in found.values()):
         raise AssertionError("telemetry is not finite")

@@ -17,8 +17,8 @@ import yaml
 
 from motorcade.fusion.imu import estimate_noise
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.replays.comparison.sweep.plan import read_sweep
-from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.comparison.sweep import read_sweep
+from motorcade.replays.engine.graph import parse_knobs
 from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers.calibration import read_matrix, read_numbers, yaml_transform
 from motorcade.replays.io.readers.kalibr import read_chain

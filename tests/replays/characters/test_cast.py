@@ -11,7 +11,7 @@ import pytest
 from motorcade.animation import mannequin, read_motion
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest.cast import read_cast
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.stages.characters.acting import character_named

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest.section import camera_toml, read_board
 from motorcade.tracking import Checkerboard, board_named
 from motorcade.tracking.boards import CircleGrid

@@ -13,11 +13,11 @@ import yaml
 
 from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_imu
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import read_noise, write_imu
 from motorcade.replays.io.readers.kalibr import read_chain, read_extrinsics
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.tasks.inertial_calibration import InertialRun, write_inertial
+from motorcade.replays.tasks.calibration import InertialRun, write_inertial
 from motorcade.tracking import measure_board
 from tests.fusion.camera_imu.board_recordings import (
     BOARD,

@@ -17,7 +17,7 @@ from motorcade.fusion.orientation import (
 )
 from motorcade.ga import Rotor
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import write_imu
 from motorcade.replays.io.readers.readings import at_samples, read_broad
 from motorcade.replays.io.trajectories import read_trajectory

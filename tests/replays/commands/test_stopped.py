@@ -23,7 +23,7 @@ COMPARE = "compare --quick --trajectories screw --degradations gaussian --method
 CONSISTENCY = "consistency --motions tumble --filters quaternion --duration-s 10"
 JOBS = {
     "sweep": (
-        "motorcade.replays.comparison.sweep.run",
+        "motorcade.replays.comparison.sweep",
         "run_job",
         "runs/*/outcome",
         ("sweep.csv",),

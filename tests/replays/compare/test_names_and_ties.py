@@ -9,7 +9,7 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES
 from motorcade.render.plots.style import COLOURS
 from motorcade.replays.comparison.evaluator import METRICS as RULER_METRICS
 from motorcade.replays.comparison.plan import DEGRADATIONS
-from motorcade.replays.comparison.report import names
+from motorcade.replays.comparison.report import matrix
 from motorcade.replays.comparison.report.results import Ratio, tied
 
 
@@ -28,10 +28,10 @@ def test_ties(ratio: Ratio, tie: bool) -> None:
 
 
 def test_everything_that_can_be_compared_has_a_name_and_a_line() -> None:
-    assert set(names.METHODS) == set(METHODS)
-    assert set(names.REPRESENTATIONS) == set(REPRESENTATION_NAMES)
-    assert set(names.MOTIONS) == set(MOTIONS)
-    assert set(names.DEGRADATIONS) == set(names.LABELS) == {*DEGRADATIONS, "recorded"}
-    assert set(names.METRICS) == {"score", *RULER_METRICS}
-    assert set(names.CAUSAL) == {name for name, line in names.METHODS.items() if "causal" in line}
+    assert set(matrix.METHODS) == set(METHODS)
+    assert set(matrix.REPRESENTATIONS) == set(REPRESENTATION_NAMES)
+    assert set(matrix.MOTIONS) == set(MOTIONS)
+    assert set(matrix.DEGRADATIONS) == set(matrix.LABELS) == {*DEGRADATIONS, "recorded"}
+    assert set(matrix.METRICS) == {"score", *RULER_METRICS}
+    assert set(matrix.CAUSAL) == {name for name, line in matrix.METHODS.items() if "causal" in line}
     assert set(COLOURS) >= set(REPRESENTATION_NAMES)

@@ -15,16 +15,16 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from docs.making.guide import figures, page
-from motorcade.replays.comparison.cells import (
+from motorcade.replays.comparison.plan import (
     ComparisonCell,
+    ComparisonPlan,
     MeasuredRow,
     Setting,
     inputs_of,
     run_cell,
 )
-from motorcade.replays.comparison.plan import ComparisonPlan
 from motorcade.replays.comparison.report import Results, write_report
-from motorcade.replays.comparison.report.names import METRICS, shown
+from motorcade.replays.comparison.report.matrix import METRICS, shown
 from motorcade.replays.comparison.report.page import findings
 from motorcade.replays.comparison.report.results import range_ends
 from motorcade.replays.comparison.run import Trait, run_trait

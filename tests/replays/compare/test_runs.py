@@ -16,13 +16,14 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.comparison import run as own_data
-from motorcade.replays.comparison.cells import Setting, inputs_of
 from motorcade.replays.comparison.evaluator import METRICS
 from motorcade.replays.comparison.plan import (
     COMPARED,
     DEGRADATIONS,
     OWN,
     ComparisonPlan,
+    Setting,
+    inputs_of,
     quick,
     standard,
 )

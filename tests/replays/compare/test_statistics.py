@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from motorcade.replays.comparison.cells import RAW
 from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.plan import RAW
 from motorcade.replays.comparison.statistics import (
     Group,
     bootstrap,

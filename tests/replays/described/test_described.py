@@ -19,10 +19,10 @@ from motorcade.replays.demo import write_recording
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.described.describing import described
-from motorcade.replays.pipeline.described.footage import camera_by_view
-from motorcade.replays.pipeline.described.telemetry import (
+from motorcade.replays.pipeline.described.footage import (
     GOPRO_IMU_R_CAMERA,
     camera_by_turning,
+    camera_by_view,
     check_axes,
     seen_turns,
 )

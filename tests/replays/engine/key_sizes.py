@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from motorcade.replays.engine.provenance import reach, types_within
 from motorcade.replays.engine.stage import Choice
+from motorcade.replays.engine.store import reach, types_within
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.job import pipeline_graph

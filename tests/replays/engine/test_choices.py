@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.engine import provenance
-from motorcade.replays.engine.graph import Graph, draw_mermaid
-from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine import store
+from motorcade.replays.engine.graph import Graph, draw_mermaid, parse_knobs
 from motorcade.replays.engine.stage import Chosen, GraphError, NotOffered, StageError, first_of
 from motorcade.replays.pipeline.job import pipeline_graph
 from tests.replays.engine.key_sizes import modules_under, recording_of_a_board
@@ -158,7 +157,7 @@ def test_an_edit_of_slam_computes_nothing_anew_of_a_run_on_a_board(
     aside = ("slam_poses", "turning_poses", "tracked")  # not computed where a board tells poses
     order = [name for name in pipeline_graph().order if name not in aside]
     keys = {name: _digest(name) for name in [*order, "slam_poses"]}
-    origin, copies = provenance._origin, {}
+    origin, copies = store._origin, {}
 
     def edited(name: str) -> Path:
         path = origin(name)
@@ -168,7 +167,7 @@ def test_an_edit_of_slam_computes_nothing_anew_of_a_run_on_a_board(
         copies[name].write_bytes(path.read_bytes() + b"\n# one more line\n")
         return copies[name]
 
-    monkeypatch.setattr(provenance, "_origin", edited)
+    monkeypatch.setattr(store, "_origin", edited)
     assert {name: _digest(name) for name in order} == {name: keys[name] for name in order}
     assert _digest("slam_poses") != keys["slam_poses"]
     assert copies
@@ -177,7 +176,7 @@ def test_an_edit_of_slam_computes_nothing_anew_of_a_run_on_a_board(
 def _digest(stage: str) -> str:
     known = pipeline_graph().stages[stage]
     given = [recording_of_a_board()] if "recording" in known.inputs else []
-    return provenance.code_digest(known.function, given)  # type: ignore[union-attr]
+    return store.code_digest(known.function, given)  # type: ignore[union-attr]
 
 
 def test_the_key_of_smoothing_covers_little_but_smoothing() -> None:

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.engine.executors import check_executor
-from motorcade.replays.engine.jobs import Batch, job_key, run_jobs
+from motorcade.replays.engine.jobs import Batch, check_executor, job_key, run_jobs
 
 
 @dataclass(frozen=True)

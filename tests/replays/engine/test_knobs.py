@@ -11,8 +11,7 @@ import pytest
 
 from motorcade.fusion.smoothing import REPRESENTATIONS
 from motorcade.replays.cli import main
-from motorcade.replays.engine.graph import Graph
-from motorcade.replays.engine.knobs import Knob, described_knobs, parse_knobs
+from motorcade.replays.engine.graph import Graph, Knob, described_knobs, parse_knobs
 from motorcade.replays.engine.stage import Stage
 from motorcade.replays.pipeline.described.describing import description_graph
 from motorcade.replays.pipeline.job import pipeline_graph

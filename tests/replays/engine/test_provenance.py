@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from motorcade.ga import Motor, Trajectory, mean
-from motorcade.replays.engine import provenance
-from motorcade.replays.engine.provenance import Reach, code_digest, reach, types_within
+from motorcade.replays.engine import store
+from motorcade.replays.engine.store import Reach, code_digest, reach, types_within
 from motorcade.replays.pipeline.report.page import report
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.view.overlay import overlay
@@ -73,7 +73,7 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 def forget() -> None:
     cached = ("reach", "_uses", "_trees", "_definers", "_find")
     for name in cached:
-        getattr(provenance, name).cache_clear()
+        getattr(store, name).cache_clear()
 
 
 def followed(name: str) -> set[str]:
@@ -161,10 +161,10 @@ def test_the_digest_changes_with_the_bytes_of_compiled_modules(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     compiled = "motorcade.ga.kernels._compiled"
-    if provenance._find(compiled) is None:
+    if store._find(compiled) is None:
         pytest.skip("the kernels are not compiled here")
     before = code_digest(smoothed)
-    origin = provenance._origin
+    origin = store._origin
 
     def rebuilt(name: str) -> Path:
         if name != compiled:
@@ -173,13 +173,13 @@ def test_the_digest_changes_with_the_bytes_of_compiled_modules(
         copy.write_bytes(origin(name).read_bytes() + b"\0")
         return copy
 
-    monkeypatch.setattr(provenance, "_origin", rebuilt)
+    monkeypatch.setattr(store, "_origin", rebuilt)
     assert code_digest(smoothed) != before
 
 
 def test_the_digest_changes_with_versions(monkeypatch: pytest.MonkeyPatch) -> None:
     before = code_digest(smoothed)
-    monkeypatch.setattr(provenance, "_version", lambda package: "another")
+    monkeypatch.setattr(store, "_version", lambda package: "another")
     assert code_digest(smoothed) != before
 
 
@@ -187,21 +187,21 @@ def test_the_digest_changes_with_templates_and_shaders_beside_the_modules(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     seen: list[Path] = []
-    texts = provenance._beside
+    texts = store._beside
 
     def noted(folder: Path) -> frozenset[Path]:
         found = texts(folder)
         seen.extend(found)
         return found
 
-    monkeypatch.setattr(provenance, "_beside", noted)
+    monkeypatch.setattr(store, "_beside", noted)
     code_digest(report)
     assert {"template.html", "style.css", "script.js"} <= {path.name for path in seen}
     seen.clear()
     code_digest(overlay)
     assert {"shaded.frag", "mannequin.glb"} <= {path.name for path in seen}
     before = code_digest(report)
-    monkeypatch.setattr(provenance, "_beside", lambda folder: frozenset())
+    monkeypatch.setattr(store, "_beside", lambda folder: frozenset())
     assert code_digest(report) != before
 
 

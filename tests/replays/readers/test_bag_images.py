@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import ImageArray
 from tests.end_to_end.bags import COUNT, Bag, Drawn, as_plain, scene, stored, write

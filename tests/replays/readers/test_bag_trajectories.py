@@ -15,8 +15,8 @@ from rosbags.rosbag2 import Reader as Reader2
 from scipy.spatial.transform import Rotation, Slerp
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.io.errors import RecordingError
-from motorcade.replays.io.readers.ros import frame_tree
+from motorcade.replays.io.files import RecordingError
+from motorcade.replays.io.readers.ros import trajectories
 from motorcade.replays.io.readers.ros import trajectories as bag_trajectories
 from motorcade.replays.io.readers.ros.admission import message_types
 from motorcade.replays.io.readers.ros.trajectories import list_bag_trajectories
@@ -232,9 +232,9 @@ def test_what_else_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 def test_frames_without_number_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bag, *_ = tree_of_frames(tmp_path, "mcap")
-    monkeypatch.setattr(frame_tree, "_MOST_LINKS", 3)
+    monkeypatch.setattr(trajectories, "_MOST_LINKS", 3)
     said("expected at most 3 pairs of frames", f"{bag}:map/base")
-    monkeypatch.setattr(frame_tree, "_MOST_TRANSFORMS", 3)
+    monkeypatch.setattr(trajectories, "_MOST_TRANSFORMS", 3)
     said("expected at most 3 transforms", f"{bag}:map/base")
 
 

@@ -15,7 +15,7 @@ from motorcade.animation.formats.gltf.meshes import Meshes
 from motorcade.animation.formats.limits import MAX_PARTS
 from motorcade.render import write_video
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest.section import load_toml
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.transforms import read_transform

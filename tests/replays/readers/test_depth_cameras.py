@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.tasks.inspection import describe
 from tests.replays.readers.test_manifests import CAMERA, FRAMES, described
 

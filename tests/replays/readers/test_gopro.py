@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.render import write_video
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import write_imu
-from motorcade.replays.io.readers import gpmf
+from motorcade.replays.io.readers import gopro
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.readings import read_imu_of
 
@@ -46,10 +46,10 @@ def packet(force: np.ndarray, rate: np.ndarray, *extra: bytes) -> bytes:
 
 def test_axes_and_scales(rng: np.random.Generator) -> None:
     force, rate = rng.uniform(-20, 20, (5, 3)), rng.uniform(-4, 4, (9, 3))
-    found = gpmf._sensors(packet(force, rate), HERE)
+    found = gopro._sensors(packet(force, rate), HERE)
     np.testing.assert_allclose(found[b"ACCL"], force[:, [1, 2, 0]], atol=0.6 / 418)
     np.testing.assert_allclose(found[b"GYRO"], rate[:, [1, 2, 0]], atol=0.6 / 3755)
-    turned = gpmf._sensors(packet(force, rate, entry("ORIN", "c", 1, b"YxZ")), HERE)
+    turned = gopro._sensors(packet(force, rate, entry("ORIN", "c", 1, b"YxZ")), HERE)
     expected = np.stack([-force[:, 1], force[:, 0], force[:, 2]], axis=1)
     np.testing.assert_allclose(turned[b"ACCL"], expected, atol=0.6 / 418)
 
@@ -65,8 +65,8 @@ def made_stream(
         wander = jitter_s * (-1) ** second
         parts.append((second + wander, 1.0, packet(force, np.repeat(force, 2, axis=0) * 0)))
         at += count
-    monkeypatch.setattr(gpmf, "_packets", lambda path: iter(parts))
-    stream = gpmf.read_telemetry(HERE)
+    monkeypatch.setattr(gopro, "_packets", lambda path: iter(parts))
+    stream = gopro.read_telemetry(HERE)
     assert stream is not None
     assert stream.rate_hz == pytest.approx(400.0, rel=2e-3)
     return stream.time_ns, stream.specific_force_m_s2[:, 0]
@@ -101,7 +101,7 @@ def test_lost_samples_are_told_and_bounded_by_their_packet(
 )
 def test_what_does_not_fit_is_refused(data: bytes, told: str) -> None:
     with pytest.raises(RecordingError, match=told):
-        gpmf._sensors(data, HERE)
+        gopro._sensors(data, HERE)
 
 
 @settings(max_examples=300, deadline=None)
@@ -110,7 +110,7 @@ def test_damaged_bytes_are_read_or_refused(at: int, noise: bytes, end: int) -> N
     data = bytearray(packet(np.ones((8, 3)), np.ones((8, 3))))
     data[at : at + len(noise)] = noise
     try:
-        found = gpmf._sensors(bytes(data[:end]), HERE)
+        found = gopro._sensors(bytes(data[:end]), HERE)
     except RecordingError:
         return
     assert all(np.all(np.isfinite(values)) for values in found.values())
@@ -122,12 +122,12 @@ def test_a_cameras_own_telemetry(data_dir: Path) -> None:
     imu = recording.imu
     assert imu is not None
     # What the camera itself counted: TSMP of the last packet, samples since the start.
-    last = list(gpmf._packets(path))[-1][2]
+    last = list(gopro._packets(path))[-1][2]
     totals = {}
-    for device in gpmf.items(last, path):
-        for stream in gpmf.items(device.body, path):
+    for device in gopro.items(last, path):
+        for stream in gopro.items(device.body, path):
             if not stream.kind:
-                told = {item.key: item for item in gpmf.items(stream.body, path)}
+                told = {item.key: item for item in gopro.items(stream.body, path)}
                 totals |= dict.fromkeys(told.keys() & {b"ACCL", b"GYRO"}, told[b"TSMP"].body)
     (gyro,) = struct.unpack(">L", totals[b"GYRO"])
     (accel,) = struct.unpack(">L", totals[b"ACCL"])
@@ -188,7 +188,7 @@ def test_the_gyroscopes_z_turns_with_the_images_upward_axis(data_dir: Path) -> N
 
 def test_sync_takes_a_video_a_recording_or_a_file(data_dir: Path, tmp_path: Path) -> None:
     path = data_dir / "replays" / "gopro" / "karma.mp4"
-    own = gpmf.read_telemetry(path)
+    own = gopro.read_telemetry(path)
     assert own is not None
     write_imu(own, tmp_path / "imu.csv")
     write_video(tmp_path / "plain.mp4", [np.zeros((48, 64, 3), np.uint8)], np.zeros(1, np.int64))

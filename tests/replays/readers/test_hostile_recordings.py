@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import RecordingError, refusal
 from motorcade.replays.io.readers.calibration import read_numbers, read_yaml
 from motorcade.replays.io.readers.frames.files import image_glob
 from motorcade.replays.io.readers.opening import open_recording

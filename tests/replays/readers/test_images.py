@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.files import (
     ImageFrames,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.layouts.detect import LAYOUTS
 from motorcade.replays.io.readers.layouts.tum_rgbd import nearest
@@ -409,7 +409,7 @@ def test_each_layout_is_on_the_page_of_recordings_and_has_a_sample() -> None:
         assert f"| {what.partition(' (')[0]}" in rows, what
     folder = REPOSITORY / "replays" / "io" / "readers" / "layouts"
     modules = {path.stem for path in folder.glob("*.py")}
-    assert modules - {"__init__", "detect", "loose_images"} == set(KNOWN)
+    assert modules - {"__init__", "detect"} == set(KNOWN)
 
 
 @pytest.mark.parametrize("name", ["calibration.txt", "imu.txt"])

@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.ga import Trajectory
 from motorcade.replays.cli import main
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.readings import read_imu_and_field, read_imu_of, read_readings
 from motorcade.replays.io.trajectories import read_trajectory
 from tests.end_to_end.loggers import KINDS, Motion, draw

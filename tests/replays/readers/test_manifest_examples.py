@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers import manifest
 from motorcade.replays.io.readers.manifest.section import BOARD_KEYS, CAMERA_KEYS, MARKERS_KEYS
-from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS
+from motorcade.replays.io.readers.manifest.sensors import TRUTH_KEYS
 from motorcade.replays.io.readers.opening import open_recording
 
 Make = Callable[..., Any]

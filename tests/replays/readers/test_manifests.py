@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest import section
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording

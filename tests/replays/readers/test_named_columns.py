@@ -9,7 +9,7 @@ import pytest
 from motorcade.fusion import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.trajectories import read_trajectory
 

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 
 

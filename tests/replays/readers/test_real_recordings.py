@@ -8,7 +8,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, RotationSpline
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking.boards import Checkerboard

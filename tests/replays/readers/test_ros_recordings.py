@@ -15,7 +15,7 @@ from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
 from motorcade.ga import Motor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 from tests.fuzz.containers import join_bag, split_bag
 

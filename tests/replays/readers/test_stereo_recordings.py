@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import evaluate
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.slam_poses import slam_poses

@@ -11,7 +11,7 @@ from evo.core.trajectory import PoseTrajectory3D
 from rosbags.rosbag1 import Writer
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.ros import admission as ros_bag
 from motorcade.replays.io.readers.ros.admission import message_types
 from motorcade.replays.io.readers.tagslam import corners as tagslam

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.tables import stamp_ns
 from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 
 CHAIN = """

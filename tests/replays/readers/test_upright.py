@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml

@@ -9,10 +9,10 @@ import av
 import numpy as np
 import pytest
 
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.frames.packets import said_of_cut
-from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
+from motorcade.replays.io.readers.frames.views import frames_between
 from motorcade.replays.io.readers.opening import open_recording
 
 

@@ -13,7 +13,7 @@ import pytest
 from motorcade.animation import write_gltf
 from motorcade.replays.cli import main
 from motorcade.replays.demo import write_recording
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.replays.pipeline.runs import open_run

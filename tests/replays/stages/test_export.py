@@ -169,7 +169,7 @@ def test_frames_in_a_gap_are_said_or_left_out(
     """A path without poses for a while: no pose is invented there without a word."""
     from dataclasses import replace
 
-    from motorcade.replays.pipeline.export.images import write_images
+    from motorcade.replays.pipeline.export import write_images
 
     stamps = shown.recording.frames.time_ns
     lost = (shown.path.time_ns > stamps[4]) & (shown.path.time_ns < stamps[11])

@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.replays.pipeline.report.film import FilmView, film_of
-from motorcade.replays.pipeline.report.words import verdict
+from motorcade.replays.pipeline.report.summary import verdict
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo
 from motorcade.tracking.audit import AuditFinding

@@ -5,7 +5,7 @@ import pytest
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.stages.view.in_view import best_place, share_seen, tall_at
+from motorcade.replays.stages.view.candidates import best_place, share_seen, tall_at
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(320, 240, 300.0, 300.0, 159.5, 119.5)

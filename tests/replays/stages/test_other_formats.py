@@ -10,8 +10,7 @@ import pytest
 from motorcade.animation import skin
 from motorcade.replays.cli import main
 from motorcade.replays.demo import write_recording
-from motorcade.replays.pipeline.export.images import write_colmap, write_nerfstudio
-from motorcade.replays.pipeline.export.usd import write_usd
+from motorcade.replays.pipeline.export import write_colmap, write_nerfstudio, write_usd
 from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.replays.pipeline.runs import Shown, open_run
 from motorcade.tracking import Camera

@@ -15,11 +15,13 @@ from motorcade.replays.pipeline.report.page import _rows
 from motorcade.replays.pipeline.report.summary import (
     LEFT_AS_IT_WAS,
     as_table,
+    length_words,
+    plainly,
     shown_columns,
     shown_value,
+    verdict,
     without_nan,
 )
-from motorcade.replays.pipeline.report.words import length_words, plainly, verdict
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.tracking.audit import AuditFinding, Verdict
 

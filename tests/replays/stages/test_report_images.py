@@ -15,8 +15,12 @@ from motorcade.fusion.filter import LatencyCurve
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import write_video
 from motorcade.render.video import read_frames
-from motorcade.replays.pipeline.report.before_after import MOST_BYTES, sheet_jpeg, steps_between
-from motorcade.replays.pipeline.report.film import standing_sheet
+from motorcade.replays.pipeline.report.film import (
+    MOST_BYTES,
+    sheet_jpeg,
+    standing_sheet,
+    steps_between,
+)
 from motorcade.replays.pipeline.report.findings import Findings, as_drawn
 from motorcade.replays.pipeline.report.images import filter_errors, filter_images
 from motorcade.replays.stages.values.view import StandingPlace

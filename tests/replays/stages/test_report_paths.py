@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.replays.pipeline.report.before_after import spot_course
+from motorcade.replays.pipeline.report.film import spot_course
 from motorcade.replays.pipeline.report.findings import alike, told_paths
 from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.tracking import Camera

@@ -14,7 +14,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
-from motorcade.replays.stages.camera.focal_lengths import FoundCameras
+from motorcade.replays.stages.camera.slam_poses import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding

@@ -10,7 +10,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, LiveSmoother, smooth
-from motorcade.replays.engine.knobs import parse_knobs
+from motorcade.replays.engine.graph import parse_knobs
 from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.stages.smoothed import smoothed
 from motorcade.replays.stages.values.paths import FusedPath, FusedWith

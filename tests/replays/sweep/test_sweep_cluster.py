@@ -27,11 +27,11 @@ import sys
 from pathlib import Path
 from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.engine import jobs
-from motorcade.replays.comparison.sweep import read_sweep, run
+from motorcade.replays.comparison.sweep import read_sweep, run_sweep
 jobs._code = lambda function: "code"
 if __name__ == "__main__":
     plan = read_sweep(Path(sys.argv[1]), pipeline_graph())
-    print(run.run_sweep(plan, Path(sys.argv[2]), sys.argv[3]).failed)
+    print(run_sweep(plan, Path(sys.argv[2]), sys.argv[3]).failed)
 """
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.replays.comparison.sweep import read_sweep
 from motorcade.replays.engine.stage import GraphError
-from motorcade.replays.io.errors import RecordingError
+from motorcade.replays.io.files import RecordingError
 from motorcade.replays.pipeline.job import pipeline_graph
 
 Config = Callable[..., Path]

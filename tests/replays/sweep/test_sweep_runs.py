@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from motorcade.replays.cli import main
+from motorcade.replays.comparison import sweep
 from motorcade.replays.comparison.sweep import Summary, read_sweep, run_sweep
-from motorcade.replays.comparison.sweep import run as runner
-from motorcade.replays.engine.executors import outcomes
+from motorcade.replays.engine.jobs import outcomes
 from motorcade.replays.pipeline.job import Job, pipeline_graph, run_job
 from tests.end_to_end.shared_storage import CONTAINER, can_contain
 
@@ -117,7 +117,7 @@ def test_what_is_finished_is_not_run_again_and_what_changed_is(
         called.append(job.recording)
         return run_job(job)
 
-    monkeypatch.setattr(runner, "run_job", counted)
+    monkeypatch.setattr(sweep, "run_job", counted)
     first = swept(path, tmp_path / "out")
     assert [place.name for place in called] == ["one", "two"]
     again = swept(path, tmp_path / "out")
@@ -154,7 +154,7 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(
     config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("motorcade.replays.engine.executors._ANSWERS_WITHIN_S", 0.5)
+    monkeypatch.setattr("motorcade.replays.engine.jobs._ANSWERS_WITHIN_S", 0.5)
     with pytest.raises(RuntimeError, match="no Dask scheduler answers at tcp:"):
         swept(config('["one"]', seeds="[0]"), tmp_path / "out", "tcp://127.0.0.1:9")
 

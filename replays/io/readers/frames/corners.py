@@ -11,7 +11,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.recording import Frame, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.markers.corner_stream import CornerStream

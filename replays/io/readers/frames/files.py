@@ -20,8 +20,7 @@ import numpy as np
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
 from motorcade.ga.progress import track
-from motorcade.replays.io.errors import DamagedError, refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import DamagedError, read_bounded, refusal
 from motorcade.replays.io.readers.frames import images
 from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks

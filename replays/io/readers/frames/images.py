@@ -18,8 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import DamagedError, refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import DamagedError, read_bounded, refusal
 from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.held import size_advice
 from motorcade.replays.io.recording import DepthArray, ImageArray

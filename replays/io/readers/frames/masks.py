@@ -17,7 +17,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.frames import images
 from motorcade.replays.io.readers.frames.files import numbered
 from motorcade.replays.io.recording import ImageArray

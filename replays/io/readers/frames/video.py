@@ -27,8 +27,7 @@ from av.video.stream import VideoStream
 
 from motorcade.ga.files import admit_file
 from motorcade.render.video import MAX_FILE_BYTES
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import open_bounded, refused
+from motorcade.replays.io.files import open_bounded, refusal, refused
 from motorcade.replays.io.readers.frames.held import another_size
 from motorcade.replays.io.readers.frames.packets import (
     ShownImages,
@@ -39,7 +38,7 @@ from motorcade.replays.io.readers.frames.packets import (
     scan,
     stored_packets,
 )
-from motorcade.replays.io.readers.gpmf import read_telemetry
+from motorcade.replays.io.readers.gopro import read_telemetry
 from motorcade.replays.io.recording import DecodedFrames, ImageArray, Recording
 from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 

@@ -10,13 +10,13 @@ from pathlib import Path
 from shlex import quote
 from typing import Protocol
 
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.frames.images import SUFFIXES as IMAGES
+from motorcade.replays.io.readers.frames.files import ImageFrames, images_in
+from motorcade.replays.io.readers.frames.images import SUFFIXES
 from motorcade.replays.io.readers.layouts import (
     euroc,
     kitti,
-    loose_images,
     seven_scenes,
     tum_rgbd,
 )
@@ -24,7 +24,36 @@ from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.io.trajectories import TEXT_SUFFIXES
+from motorcade.replays.io.trajectories import TEXT_SUFFIXES, even_stamps
+
+LOOSE_IMAGES = "images"
+"""Layout of a folder of images and nothing else: frames in the order of their names."""
+RATE_HZ = 30.0
+"""Assumed of images that tell no time."""
+_FEWEST = 3
+
+
+def _too_few(root: Path) -> int:
+    """How many images a folder without other folders holds, where those are too few; else 0."""
+    if not root.is_dir() or any(one.is_dir() for one in root.iterdir()):
+        return 0
+    count = sum(one.suffix.lower() in SUFFIXES for one in root.iterdir())
+    return count if count < _FEWEST else 0
+
+
+def _folder_of_images(root: Path) -> Path | None:
+    """The folder, or the only one in it, with three images or more."""
+    if not root.is_dir():
+        return None
+    if _enough(root):
+        return root
+    inner = [one for one in sorted(root.iterdir()) if one.is_dir() and _enough(one)]
+    return inner[0] if len(inner) == 1 else None
+
+
+def _enough(folder: Path) -> bool:
+    images = (one for one in folder.iterdir() if one.suffix.lower() in SUFFIXES)
+    return sum(1 for _, _ in zip(images, range(_FEWEST), strict=False)) == _FEWEST
 
 
 class LayoutReader(Protocol):
@@ -46,7 +75,7 @@ LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
 )
 
 
-_STILLS = (*IMAGES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
+_STILLS = (*SUFFIXES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
 _OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
 """Films that FFmpeg converts and that are not read here."""
 
@@ -69,16 +98,18 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
     read = find_layout(root)
     if read is not None:
         return read(root, own_truth=own_truth)
-    if loose_images.recognise(root):
-        return loose_images.read(root)
+    if (folder := _folder_of_images(root)) is not None:
+        files = images_in(folder)
+        frames = ImageFrames(files, even_stamps(len(files), RATE_HZ))
+        return Recording(root.resolve().name, root, LOOSE_IMAGES, frames)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
     _refuse_other_images(root)
-    few = loose_images.too_few(root)
+    few = _too_few(root)
     if few:
         raise refusal(
             root,
-            f"expected {loose_images.FEWEST} images or more, got {few}: they tell no path",
+            f"expected {_FEWEST} images or more, got {few}: they tell no path",
             advice="`motorcade detect` finds markers in single images",
         )
     looked_for = ", ".join(what for _, _, what in LAYOUTS)

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers import kalibr
 from motorcade.replays.io.readers.calibration import yaml_camera, yaml_transform

@@ -18,7 +18,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.calibration import make_camera
 from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
 from motorcade.replays.io.readers.tables import data_rows

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.calibration import make_camera, read_matrix, read_numbers
 from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
 from motorcade.replays.io.recording import Recording

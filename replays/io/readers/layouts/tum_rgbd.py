@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.calibration import make_camera
 from motorcade.replays.io.readers.frames.files import ImageFrames, inside
 from motorcade.replays.io.readers.tables import Listing, read_listing

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from motorcade.replays.io.readers.manifest.inertial import IMU_KEYS
 from motorcade.replays.io.readers.manifest.reading import (
     DEPTH_CAMERA_KEYS,
     FRAMES_KEYS,
@@ -10,5 +9,6 @@ from motorcade.replays.io.readers.manifest.reading import (
     STEREO_KEYS,
     read,
 )
+from motorcade.replays.io.readers.manifest.sensors import IMU_KEYS
 
 __all__ = ["DEPTH_CAMERA_KEYS", "FRAMES_KEYS", "IMU_KEYS", "LOCAL_NAME", "STEREO_KEYS", "read"]

@@ -20,7 +20,7 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.names import one_line
 from motorcade.ga.stamps import LONGEST_READOUT_S
-from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import RecordingError, refusal
 from motorcade.replays.io.imu import read_imu
 from motorcade.replays.io.readers.frames.files import (
     ImageFrames,
@@ -32,13 +32,11 @@ from motorcade.replays.io.readers.frames.files import (
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.masks import paired_masks
-from motorcade.replays.io.readers.frames.span import frames_between
 from motorcade.replays.io.readers.frames.video import VideoFrames
-from motorcade.replays.io.readers.frames.zoomed import ZoomedFrames
-from motorcade.replays.io.readers.gpmf import read_telemetry
+from motorcade.replays.io.readers.frames.views import ZoomedFrames, frames_between
+from motorcade.replays.io.readers.gopro import read_telemetry
 from motorcade.replays.io.readers.layouts.detect import find_layout, read_layout
 from motorcade.replays.io.readers.manifest.cast import files_of_scene, read_cast
-from motorcade.replays.io.readers.manifest.inertial import IMU_KEYS, section_imu
 from motorcade.replays.io.readers.manifest.section import (
     CAMERA_KEYS,
     MARKERS_KEYS,
@@ -50,7 +48,12 @@ from motorcade.replays.io.readers.manifest.section import (
     section_rotation,
     setting_from,
 )
-from motorcade.replays.io.readers.manifest.truth import TRUTH_KEYS, read_truth
+from motorcade.replays.io.readers.manifest.sensors import (
+    IMU_KEYS,
+    TRUTH_KEYS,
+    read_truth,
+    section_imu,
+)
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.ros.frames import BagFrames
 from motorcade.replays.io.readers.tables import UNITS

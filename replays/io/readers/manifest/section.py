@@ -13,8 +13,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from motorcade.ga.names import did_you_mean, one_line
-from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import RecordingError, read_bounded, refusal
 from motorcade.replays.io.readers.calibration import (
     make_camera,
     read_matrix,

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import RecordingError, refusal
-from motorcade.replays.io.files import admit_file
+from motorcade.replays.io.files import RecordingError, admit_file, refusal
 from motorcade.replays.io.readers.ros.admission import (
     BAG_LIMIT,
     admit_bag,
@@ -206,7 +205,7 @@ def _say(text: str) -> None:
 
 def _opened(path: Path, *, ros1: bool) -> tuple[Any, str]:
     """The open bag, and what is said of one that was cut short."""
-    from motorcade.replays.io.readers.ros.cut import CutBagReader, McapOrCutReader
+    from motorcade.replays.io.readers.ros.admission import CutBagReader, McapOrCutReader
 
     reader: Any = CutBagReader(path) if ros1 else McapOrCutReader(path)
     reader.open()

@@ -23,7 +23,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean, one_line
-from motorcade.replays.io.errors import RecordingError, refusal
+from motorcade.replays.io.files import RecordingError, refusal
 from motorcade.replays.io.imu import join_sensors, read_noise
 from motorcade.replays.io.readers import kalibr
 from motorcade.replays.io.readers.calibration import make_camera, yaml_model

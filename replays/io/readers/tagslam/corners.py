@@ -18,8 +18,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
-from motorcade.replays.io.files import read_bounded
+from motorcade.replays.io.files import read_bounded, refusal
 from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.io.readers.ros.reader import header_stamp_ns, read_bag
 from motorcade.replays.io.readers.tagslam.scene import (

@@ -18,7 +18,7 @@ import numpy as np
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.errors import refusal
+from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.ros.reader import EmptyBag, header_stamp_ns, read_bag
 from motorcade.replays.io.readers.tagslam.corners import (

@@ -18,7 +18,7 @@ from motorcade.animation.authoring import (
     scene_text,
 )
 from motorcade.replays.studio.write_ahead import WriteAheadLog
-from motorcade.replays.tasks.gestures import author
+from motorcade.replays.tasks.blending import author
 from tests.replays.studio.server.stage import FRAMES, Visitor, desk, seen, stands
 
 
