@@ -26,7 +26,7 @@ from motorcade.replays.cli.arguments import (
 if TYPE_CHECKING:
     from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
     from motorcade.ga import Trajectory
-    from motorcade.replays.comparison.truth import RecordedMotion
+    from motorcade.replays.comparison.evaluator import RecordedMotion
 
 
 def add_compare(commands: Commands) -> None:
@@ -121,7 +121,7 @@ def _motions(
     """Those of the words that are files, and the names of all motions."""
     from motorcade.fusion.motions import MOTIONS
     from motorcade.replays.cli.arguments import check_known
-    from motorcade.replays.comparison.truth import RecordedMotion
+    from motorcade.replays.comparison.evaluator import RecordedMotion
 
     trajectories: Sequence[str] = arguments.trajectories
     files = [Path(one) for one in trajectories if not one.isidentifier()]

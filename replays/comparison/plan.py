@@ -35,8 +35,7 @@ from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import did_you_mean
-from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator
-from motorcade.replays.comparison.truth import RecordedMotion, truth_of
+from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator, RecordedMotion, truth_of
 
 SEEDS = 6
 """Test seeds of the standard plan. What a mean over motions leaves open is the choice of motions

@@ -42,7 +42,12 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.ga import Motor, Trajectory, blend
-from motorcade.replays.comparison.evaluator import PathEvaluator
+from motorcade.replays.comparison.evaluator import (
+    PathEvaluator,
+    RecordedMotion,
+    RecordedTruth,
+    digest_of,
+)
 from motorcade.replays.comparison.plan import (
     COMPARED,
     ComparisonCell,
@@ -56,7 +61,6 @@ from motorcade.replays.comparison.plan import (
 )
 from motorcade.replays.comparison.statistics import Sample
 from motorcade.replays.comparison.tables import Outcome, write_tables
-from motorcade.replays.comparison.truth import RecordedMotion, RecordedTruth, digest_of
 from motorcade.replays.comparison.tuning import SearchPlace, Tuned, Tuning, run_tuning, tuned
 from motorcade.replays.engine.jobs import finished
 

@@ -39,9 +39,8 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.evaluator import PathEvaluator
+from motorcade.replays.comparison.evaluator import PathEvaluator, RecordedMotion
 from motorcade.replays.comparison.plan import FOR_POSITIONS, Setting, inputs_of
-from motorcade.replays.comparison.truth import RecordedMotion
 
 
 def _noise(sigma_m: float, sigma_deg: float) -> tuple[tuple[str, float], ...]:

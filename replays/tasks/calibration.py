@@ -21,9 +21,13 @@ from motorcade.fusion.camera_imu import CameraImuCalibration, calibrate_camera_i
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.files import RecordingError, refusal, write_bytes
-from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.files import ImageFrames, images_in
-from motorcade.replays.io.readers.frames.images import SUFFIXES, decode_gray, read_image_bytes
+from motorcade.replays.io.readers.frames.images import (
+    SUFFIXES,
+    decode_gray,
+    image_orientation,
+    read_image_bytes,
+)
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.manifest.section import camera_toml
 from motorcade.replays.io.readers.opening import read_frames_of

@@ -15,10 +15,10 @@ import numpy as np
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.files import RecordingError, refusal, write_bytes
-from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.images import (
     decode_gray,
+    image_orientation,
     image_size,
     read_image_bytes,
 )

@@ -24,8 +24,8 @@ import numpy as np
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.io.readers.tagslam.corners import TagSlamRecording
-from motorcade.replays.io.readers.tagslam.corners import read as read_tagslam
+from motorcade.replays.io.readers.tagslam.recording import TagSlamRecording
+from motorcade.replays.io.readers.tagslam.recording import read_corners as read_tagslam
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.board_audit import audited_board
 from motorcade.replays.stages.camera.offered import camera_of, sampled_images

@@ -25,7 +25,7 @@ import numpy as np
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.readers.ros.reader import EmptyBag
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.audit import worst
 from motorcade.tracking.markers.scenes import MappedScene, map_scene
@@ -59,7 +59,7 @@ def path_of(reference: TagSlamReference, body: str) -> Trajectory | None:
 
 def row_of(root: Path) -> dict[str, Any]:
     """Map a recording and compare it with its reference."""
-    recording = tagslam.read(root)
+    recording = tagslam.read_corners(root)
     start = time.process_time()
     found = map_scene(recording.streams, recording.scene)
     seconds = time.process_time() - start

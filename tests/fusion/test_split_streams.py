@@ -22,7 +22,7 @@ from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.visual_inertial import start_inertial
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.comparison.truth import RecordedTruth
+from motorcade.replays.comparison.evaluator import RecordedTruth
 from motorcade.tracking import PoseMeasurements
 
 DAY_S, YEARS_S = 86_400.0, 30 * 365 * 86_400.0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.tracking import Camera
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.markers.families import marker_points_m
@@ -73,7 +73,7 @@ def test_no_corner_of_a_recording_with_two_fisheyes_is_left_out():
     folder = data_folder() / "tags/tagslam/test_21"
     if not folder.is_dir():
         pytest.skip(f"no {folder}; set MOTORCADE_DATA")
-    recording = tagslam.read(folder)
+    recording = tagslam.read_corners(folder)
     for name in ("cam0", "cam1"):
         stream = recording.streams[name]
         assert np.isfinite(stream.camera.bearings(stream.corners_px)).all()

@@ -41,7 +41,7 @@ from motorcade.ga.names import one_line
 from motorcade.replays.io.files import RecordingError, open_bounded, refusal
 from motorcade.replays.io.imu import join_sensors, read_imu
 from motorcade.replays.io.readers import manifest as manifests
-from motorcade.replays.io.readers import positions, px4
+from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.columns import (
     ANGULAR_RATE,
     MAGNETIC_FIELD,
@@ -54,6 +54,7 @@ from motorcade.replays.io.readers.frames import video
 from motorcade.replays.io.readers.gopro import read_telemetry
 from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
+from motorcade.replays.io.readers.positions import is_px4_log, read_px4_log
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tables import Table, data_rows, in_order, read_table
 
@@ -270,7 +271,7 @@ def _source(path: Path) -> tuple[str, _Read]:
             lambda entry, _: (read_telemetry(entry), None),
         ),
         (path.suffix.lower() in _HDF5_ENDINGS, "a trial of BROAD", _of_broad),
-        (px4.recognise(path), "a log of PX4", lambda entry, _: px4.read(entry)),
+        (is_px4_log(path), "a log of PX4", lambda entry, _: read_px4_log(entry)),
         (_is_phone_log(path), "a phone's logger", lambda entry, _: _read_phone_log(entry)),
         (
             path.is_dir() and positions.oxts_folder(path) is not None,

@@ -25,9 +25,8 @@ import numpy as np
 from motorcade.ga.arrays import IntArray
 from motorcade.render.video import open_video
 from motorcade.replays.io.files import read_bounded, refused
-from motorcade.replays.io.readers.frames.exif import focal_35mm
 from motorcade.replays.io.readers.frames.files import ImageFrames
-from motorcade.replays.io.readers.frames.images import FILE_LIMIT
+from motorcade.replays.io.readers.frames.images import FILE_LIMIT, focal_35mm
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.gopro import GoProCamera, gopro_camera
 from motorcade.replays.io.recording import FrameSequence, Recording

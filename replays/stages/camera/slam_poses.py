@@ -12,10 +12,13 @@ The cameras of an RGB-D recording, found where its images contradict those that 
 Edges tell how depth lies on colour, so also the ratio of both focal lengths, but not which of the
 two is wrong. That is asked of the recording's first frames: they are tracked once more than needed,
 and both focal lengths adjusted with their poses.
+
+SLAM with the recorded IMU inside: metres and up while the map is made.
 """
 
 from __future__ import annotations
 
+import logging
 import time
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -25,17 +28,12 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.metrics import most_by_chance
-from motorcade.fusion.visual_inertial import MetricMap, metric_map
+from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult, MetricMap, metric_map
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.progress import track
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.depth import measured_depth, refined_by_depth
-from motorcade.replays.stages.camera.inertial_slam import (
-    MappedWithImu,
-    carries_imu,
-    mapped_with_imu,
-)
 from motorcade.replays.stages.camera.offered import (
     as_found,
     camera_of,
@@ -45,6 +43,7 @@ from motorcade.replays.stages.camera.offered import (
 from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 from motorcade.replays.stages.values.camera_poses import SightedPoints
+from motorcade.replays.stages.values.inertial import InertialHistory
 from motorcade.replays.stages.values.slam_poses import SlamPoses
 from motorcade.tracking import PoseMeasurements, TrackingError
 from motorcade.tracking.audit import AuditFinding, centre_finding
@@ -55,6 +54,91 @@ from motorcade.tracking.slam.geometry import seen_through
 
 if TYPE_CHECKING:
     from motorcade.tracking.slam import MapSnapshot, SlamResult, SlamSettings
+
+
+log = logging.getLogger("motorcade.slam")
+
+# Frames that no sample covers get no pose: so few may be left out at either end for its sake.
+_MOST_OUTSIDE_S = 0.5
+_FEWEST_SAMPLES = 2  # beyond a frame's stamp, so that readings at the stamp lie between two
+
+
+@dataclass(frozen=True, eq=False)
+class MappedWithImu:
+    """A finished run, its map in metres with z up, and what the IMU told."""
+
+    slam: SlamResult
+    measurements: PoseMeasurements
+    history: InertialHistory
+
+
+def carries_imu(recording: Recording) -> bool:
+    """Whether a camera or a pair was recorded with an IMU that sits somewhere known, all along."""
+    imu, stamps = recording.imu, recording.frames.time_ns
+    if imu is None or recording.imu_T_camera is None or len(imu) <= _FEWEST_SAMPLES:
+        return False
+    outside_ns = max(imu.time_ns[0] - stamps[0], stamps[-1] - imu.time_ns[-_FEWEST_SAMPLES])
+    without_depth = recording.frames[0].read_depth is None
+    return (
+        without_depth and recording.slam_map is None and bool(outside_ns <= 1e9 * _MOST_OUTSIDE_S)
+    )
+
+
+def mapped_with_imu(recording: Recording, settings: SlamSettings) -> MappedWithImu | None:
+    """Track a recording that `carries_imu`, with the samples inside; None: they told no metres."""
+    imu, imu_T_camera = recording.imu, recording.imu_T_camera
+    if imu is None or imu_T_camera is None:
+        raise ValueError("recording: expected one that carries an IMU, got none")
+    noise = assumed_noise(recording.imu_noise or ADIS16448, "recorded")
+    slam = InertialSlam(
+        camera_of(recording), noise, imu_T_camera, settings, readout_s=rows_readout_s(recording)
+    )
+    stamps, fed = recording.frames.time_ns, 0
+    covered = np.flatnonzero((stamps >= imu.time_ns[0]) & (stamps <= imu.time_ns[-_FEWEST_SAMPLES]))
+    if not len(covered):
+        return None
+    for row in track(covered.tolist(), "mapping with the IMU", len(covered)):
+        frame = recording.frames[row]
+        fed = _fed(slam, imu, fed, frame.time_ns)
+        right = None if settings.baseline_m is None else frame.right()
+        slam.track(frame.time_ns, frame.gray(), right)
+    return _metric_map(recording, slam.finish())
+
+
+def _fed(slam: InertialSlam, imu: ImuStream, fed: int, time_ns: int) -> int:
+    """Hand over samples until they reach beyond a stamp; returns how many were given so far.
+
+    A stream is two samples or more, so none is left by itself.
+    """
+    reached = int(np.searchsorted(imu.time_ns, time_ns)) + _FEWEST_SAMPLES
+    if reached <= fed:
+        return fed
+    reached = max(reached, fed + _FEWEST_SAMPLES)
+    if len(imu) - reached < _FEWEST_SAMPLES:
+        reached = len(imu)
+    rows = slice(fed, reached)
+    turn, force = imu.angular_rate_rad_s[rows], imu.specific_force_m_s2[rows]
+    slam.imu(ImuStream(imu.time_ns[rows], turn, force))
+    return reached
+
+
+def _metric_map(recording: Recording, result: InertialSlamResult) -> MappedWithImu | None:
+    start, measurements = result.start, result.measurements
+    if start is None or result.metric_from_ns is None or measurements is None:
+        log.info("%s: no metres while mapping, so they are looked for afterwards", recording.name)
+        return None
+    scale = float(start.world_T_visual.scale)
+    history = InertialHistory(
+        result.slam.time_ns,
+        result.states,
+        result.metric_from_ns,
+        scale,
+        start.log_scale_sigma,
+        start.world_T_visual.rotor.inverse().apply(np.array([0.0, 0.0, -1.0])),
+        start.tilt_sigma_rad,
+        rows_readout_s(recording),
+    )
+    return MappedWithImu(result.slam, measurements, history)
 
 
 _FIRST_S = 5.0
@@ -191,7 +275,7 @@ def slam_poses(
     if imu_inside and adjust and not threads and carries_imu(recording):
         mapped = mapped_with_imu(recording, settings)
     if mapped is not None:
-        poses = _with_imu_inside(recording, mapped, start)
+        poses = _with_imu_inside(recording, mapped)
     else:
         try:
             result = _by_vision(recording, settings)
@@ -201,9 +285,10 @@ def slam_poses(
             raise TrackingError("; ".join([str(fault), *reasons])) from fault
         if result.metric and adjust and not paired and recording.slam_map is None:
             result = refined_by_depth(recording, result) or result
-        poses = _measured(recording, result, start)
+        poses = _measured(recording, result)
     return replace(
         poses,
+        seconds=time.perf_counter() - start,
         audit=audit,
         camera=cameras.camera,
         depth_camera=cameras.depth_camera,
@@ -228,19 +313,19 @@ def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
     return result
 
 
-def _measured(recording: Recording, result: SlamResult, start: float) -> SlamPoses:
+def _measured(recording: Recording, result: SlamResult) -> SlamPoses:
     """The path in metres where depth, a known map or an IMU gives them, else in the map's unit."""
     if result.metric:
-        return _as_mapped(recording, result, "with depth", start)
+        return _as_mapped(recording, result, "with depth")
     try:
         metres = in_metres(recording, result)
     except NoMetres as why:
         scale = f"by one camera (scale: free, lengths have no unit; {why})"
-        return _as_mapped(recording, result, scale, start)
-    return _by_inertia(recording, result, metres, start)
+        return _as_mapped(recording, result, scale)
+    return _by_inertia(recording, result, metres)
 
 
-def _as_mapped(recording: Recording, result: SlamResult, scale: str, start: float) -> SlamPoses:
+def _as_mapped(recording: Recording, result: SlamResult, scale: str) -> SlamPoses:
     """The path as it was tracked."""
     path = result.trajectory
     if path is None:
@@ -252,50 +337,47 @@ def _as_mapped(recording: Recording, result: SlamResult, scale: str, start: floa
     in_world = path.transformed_by(left=first_T_world)
     if recording.readout_s > 0.0:
         scale += f", the readout time of {1e3 * recording.readout_s:g} ms left aside without an IMU"
-    return SlamPoses(
-        PoseMeasurements(in_world, covariance),
-        recording.frames.time_ns,
-        np.full(len(path), np.nan),
-        "slam",
-        _summary(recording, result, scale),
-        metric=result.metric,
-        points=first_T_world.apply(result.map.points),
-        sighted=_sighted(recording, result.map, in_world),
-        seconds=time.perf_counter() - start,
-        slam_map=result.map,
-        slam_history=result.history,
-    )
+    poses = _poses_of(recording, result, PoseMeasurements(in_world, covariance), scale)
+    points = first_T_world.apply(result.map.points)
+    return replace(poses, metric=result.metric, points=points)
 
 
-def _by_inertia(
-    recording: Recording, result: SlamResult, metres: Metres, start: float
+def _poses_of(
+    recording: Recording,
+    result: SlamResult,
+    measurements: PoseMeasurements,
+    scale: str,
+    unit: float = 1.0,
 ) -> SlamPoses:
-    """The path in metres, z up."""
-    unit, sigma = metres.scaled_map.metres_a_unit, metres.scale_sigma
-    measurements = metres.scaled_map.measurements
-    scale = (
-        f"by one camera, metres and up found by the IMU (the map's unit is {unit:.4g} m "
-        f"± {100 * sigma:.2g} %)"
-    )
+    """What every run of SLAM leaves; `unit` is what the map's unit is in the poses'."""
     return SlamPoses(
         measurements,
         recording.frames.time_ns,
         np.full(len(measurements), np.nan),
         "slam",
         _summary(recording, result, scale),
-        points=metres.scaled_map.keyframes.landmarks_m,
-        metres_a_unit=unit,
-        scale_sigma=sigma,
+        points=result.map.points,
         sighted=_sighted(recording, result.map, measurements.trajectory, unit),
-        seconds=time.perf_counter() - start,
         slam_map=result.map,
         slam_history=result.history,
     )
 
 
-def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) -> SlamPoses:
+def _by_inertia(recording: Recording, result: SlamResult, metres: Metres) -> SlamPoses:
+    """The path in metres, z up."""
+    unit, sigma = metres.scaled_map.metres_a_unit, metres.scale_sigma
+    scale = (
+        f"by one camera, metres and up found by the IMU (the map's unit is {unit:.4g} m "
+        f"± {100 * sigma:.2g} %)"
+    )
+    poses = _poses_of(recording, result, metres.scaled_map.measurements, scale, unit)
+    points = metres.scaled_map.keyframes.landmarks_m
+    return replace(poses, points=points, metres_a_unit=unit, scale_sigma=sigma)
+
+
+def _with_imu_inside(recording: Recording, mapped: MappedWithImu) -> SlamPoses:
     """The path in metres, z up, that SLAM with an IMU inside gave."""
-    result, history, measurements = mapped.slam, mapped.history, mapped.measurements
+    result, history = mapped.slam, mapped.history
     after = f"{history.metric_from_s:.1f} s after the first frame"
     scale, unit, sigma = f"by a stereo pair with the IMU inside, upright {after}", None, None
     if recording.baseline_m is None:
@@ -304,21 +386,8 @@ def _with_imu_inside(recording: Recording, mapped: MappedWithImu, start: float) 
             f"by one camera with the IMU inside, metres and up {after} (the map's unit was "
             f"{unit:.4g} m ± {100 * sigma:.2g} % then)"
         )
-    return SlamPoses(
-        measurements,
-        recording.frames.time_ns,
-        np.full(len(measurements), np.nan),
-        "slam",
-        _summary(recording, result, scale),
-        points=result.map.points,
-        metres_a_unit=unit,
-        scale_sigma=sigma,
-        sighted=_sighted(recording, result.map, measurements.trajectory),
-        seconds=time.perf_counter() - start,
-        slam_map=result.map,
-        slam_history=result.history,
-        inertial=history,
-    )
+    poses = _poses_of(recording, result, mapped.measurements, scale)
+    return replace(poses, metres_a_unit=unit, scale_sigma=sigma, inertial=history)
 
 
 def _sighted(

@@ -19,7 +19,7 @@ from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.tracking.markers.mapping import map_markers
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.tracking.tag_flips import tagslam_folder
@@ -48,7 +48,7 @@ def fuse_tags_and_odometry(root: Path) -> TagsAndOdometry:
     Raises:
         ValueError: a recording without odometry, or one that cannot be read.
     """
-    recording = tagslam.read(root)
+    recording = tagslam.read_corners(root)
     odometry = recording.odometry
     if odometry is None:
         raise ValueError(f"{root}: expected odometry beside the tags, got none")

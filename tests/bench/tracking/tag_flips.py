@@ -21,7 +21,7 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
@@ -194,7 +194,7 @@ def bench_flips(folder: Path | None = None) -> list[dict[str, Any]]:
     for name in RECORDINGS:
         if not tagslam.recognise(root / name):
             continue
-        recording = tagslam.read(root / name)
+        recording = tagslam.read_corners(root / name)
         stream = recording.streams["cam0"]
         true = reference_rotors(stream, read_reference(root / name), "cam0")
         observations = pose_stream(stream, recording.side_m)

@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.fusion.metrics import evaluate
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import read_reference
 from motorcade.tracking.markers.mapping import map_markers, track_rig
 from tests.bench.tracking.tag_flips import tagslam_folder
@@ -48,7 +48,7 @@ def bench_map(folder: Path | None = None) -> list[dict[str, Any]]:
     root = (folder or tagslam_folder()) / RECORDING
     if not tagslam.recognise(root):
         return []
-    recording, reference = tagslam.read(root), reference_path(root)
+    recording, reference = tagslam.read_corners(root), reference_path(root)
     rows = []
     for name, cameras, over_time in _CASES:
         streams = {camera: recording.streams[camera] for camera in cameras}

@@ -12,7 +12,7 @@ from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.ga import Motor, Trajectory
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.fusion.tag_odometry import bench_tag_odometry, tag_odometry_table
 
@@ -100,10 +100,10 @@ def test_tags_and_odometry_of_test_21(data_dir: Path):
 
 def test_where_the_odometry_sits_on_the_rig_is_read(data_dir: Path):
     folder = data_dir / "tags" / "tagslam"
-    found = tagslam.read(folder / "test_21").odometry
+    found = tagslam.read_corners(folder / "test_21").odometry
     assert found is not None
     assert len(found.trajectory) == 2596
     placed = found.body_T_odometry
     np.testing.assert_allclose(placed.translation_m, [0.0106996, 0.0, 0.0], atol=1e-6)
     assert placed.rotor.angle() == pytest.approx(3.13923, abs=1e-4)
-    assert tagslam.read(folder / "test_24").odometry is None
+    assert tagslam.read_corners(folder / "test_24").odometry is None

@@ -6,9 +6,8 @@ import pytest
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Trajectory
-from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator
+from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator, RecordedTruth
 from motorcade.replays.comparison.plan import Setting, inputs_of
-from motorcade.replays.comparison.truth import RecordedTruth
 
 SETTINGS = (
     Setting("one_euro", "motor"),

@@ -16,7 +16,7 @@ from motorcade.fusion.smoothing import METHODS, REPRESENTATIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.cli import main
 from motorcade.replays.comparison import run as own_data
-from motorcade.replays.comparison.evaluator import METRICS
+from motorcade.replays.comparison.evaluator import METRICS, RecordedMotion
 from motorcade.replays.comparison.plan import (
     COMPARED,
     DEGRADATIONS,
@@ -28,7 +28,6 @@ from motorcade.replays.comparison.plan import (
     standard,
 )
 from motorcade.replays.comparison.run import compare_recorded, exact_ties, run_comparison
-from motorcade.replays.comparison.truth import RecordedMotion
 from motorcade.replays.comparison.tuning import RANGES, SearchPlace, Tuned, tuned
 from motorcade.replays.io.trajectories import write_trajectory
 

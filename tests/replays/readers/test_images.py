@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from motorcade.replays.io.files import RecordingError
-from motorcade.replays.io.readers.frames.exif import image_orientation
 from motorcade.replays.io.readers.frames.files import (
     ImageFrames,
     image_glob,
@@ -19,6 +18,7 @@ from motorcade.replays.io.readers.frames.files import (
     refuse_gaps,
 )
 from motorcade.replays.io.readers.frames.images import (
+    image_orientation,
     image_size,
     read_depth,
     read_gray,

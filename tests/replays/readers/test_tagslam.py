@@ -14,7 +14,7 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.ros import admission as ros_bag
 from motorcade.replays.io.readers.ros.admission import message_types
-from motorcade.replays.io.readers.tagslam import corners as tagslam
+from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import read_reference
 from motorcade.replays.io.readers.tagslam.scene import read_scene
 from motorcade.replays.io.trajectories import read_trajectory
@@ -107,7 +107,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_corners_run_clockwise_from_the_printed_top_left(folder: Path) -> None:
-    found = tagslam.read(folder)
+    found = tagslam.read_corners(folder)
     stream = found.streams["cam0"]
     np.testing.assert_array_equal(stream.time_ns, np.arange(1, 4) * 10**9 + 5)
     np.testing.assert_array_equal(stream.frame, [0, 1, 1])
@@ -123,10 +123,10 @@ def test_corners_run_clockwise_from_the_printed_top_left(folder: Path) -> None:
 
 @pytest.mark.parametrize("chunks", ["BZ2", "LZ4"])
 def test_compressed_chunks_are_read(folder: Path, chunks: str) -> None:
-    plain = tagslam.read(folder).streams["cam0"]
+    plain = tagslam.read_corners(folder).streams["cam0"]
     bag = packed_bag([(2, [10, 1]), (1, [2]), (3, [])], chunks=chunks)
     (folder / "tag_detections.bag.bz2").write_bytes(bag)
-    found = tagslam.read(folder).streams["cam0"]
+    found = tagslam.read_corners(folder).streams["cam0"]
     np.testing.assert_array_equal(found.marker_ids, plain.marker_ids)
     np.testing.assert_array_equal(found.corners_px, plain.corners_px)
 
@@ -137,11 +137,11 @@ def test_a_link_that_a_checkout_left_as_text_is_followed_beside_the_folder(folde
     (folder / "tag_detections.bag.bz2").rename(beside / "tag_detections.bag.bz2")
     link = folder / "tag_detections.bag"
     link.write_text("../beside/tag_detections.bag")
-    assert len(tagslam.read(folder).streams["cam0"]) == 3
+    assert len(tagslam.read_corners(folder).streams["cam0"]) == 3
     for elsewhere in ("../../beside/tag_detections.bag", "../other/tag_detections.bag"):
         link.write_text(elsewhere)
         with pytest.raises(RecordingError, match="beside this folder"):
-            tagslam.read(folder)
+            tagslam.read_corners(folder)
 
 
 def test_ids_change_over_time_as_stated(folder: Path) -> None:
@@ -155,7 +155,8 @@ tag_id_remap:
     - {remap_id: 14, start_time: 2.6, end_time: 9.0}
 """
     )
-    np.testing.assert_array_equal(tagslam.read(folder).streams["cam0"].marker_ids, [2, 1, 13])
+    stream = tagslam.read_corners(folder).streams["cam0"]
+    np.testing.assert_array_equal(stream.marker_ids, [2, 1, 13])
 
 
 def test_poses_and_noise_are_read_as_they_are_stated(folder: Path) -> None:
@@ -185,7 +186,7 @@ plane_measurements:
  - b: {tags: [10], distance: 0.7, noise: 0.02, direction: [0, 0, 1]}
 """
     )
-    scene = tagslam.read(folder).scene
+    scene = tagslam.read_corners(folder).scene
     wall, wand, rig = scene.bodies
     assert (wall.moves, wand.moves, rig.moves, rig.name) == (False, True, True, "rig")
     assert wall.stated is not None
@@ -239,7 +240,7 @@ def test_calibrations_that_do_not_fit_are_refused(folder: Path, name, old, new, 
     assert old in text
     (folder / name).write_text(text.replace(old, new))
     with pytest.raises(RecordingError, match=said):
-        tagslam.read(folder)
+        tagslam.read_corners(folder)
 
 
 def test_bags_that_do_not_fit_are_refused(folder: Path, monkeypatch) -> None:
@@ -259,15 +260,15 @@ def test_bags_that_do_not_fit_are_refused(folder: Path, monkeypatch) -> None:
     for label, content in broken.items():
         path.write_bytes(content)
         with pytest.raises(RecordingError, match="tag_detections"):
-            print(label, tagslam.read(folder))
+            print(label, tagslam.read_corners(folder))
     path.write_bytes(good)
     monkeypatch.setattr(ros_bag, "BAG_LIMIT", 100)
     with pytest.raises(RecordingError, match="at most 100 bytes unpacked"):
-        tagslam.read(folder)
+        tagslam.read_corners(folder)
     path.unlink()
     assert not tagslam.recognise(folder)
     with pytest.raises(RecordingError, match=r"tag_detections\.bag or"):
-        tagslam.read(folder)
+        tagslam.read_corners(folder)
 
 
 def test_damaged_bytes_never_give_anything_but_a_recording_or_its_error(folder: Path, rng) -> None:
@@ -279,7 +280,7 @@ def test_damaged_bytes_never_give_anything_but_a_recording_or_its_error(folder: 
             damaged[place] = rng.integers(0, 256)
         path.write_bytes(damaged)
         with suppress(RecordingError):
-            tagslam.read(folder)
+            tagslam.read_corners(folder)
 
 
 # Flips, counted by hand --------------------------------------------------------------------------
@@ -326,7 +327,7 @@ def tagslam_dir(data_dir: Path) -> Path:
 
 
 def test_what_the_recordings_hold(tagslam_dir: Path) -> None:
-    rig = tagslam.read(tagslam_dir / "test_21")
+    rig = tagslam.read_corners(tagslam_dir / "test_21")
     counts = {name: (len(s.time_ns), len(s)) for name, s in rig.streams.items()}
     assert counts == {
         "cam0": (431, 1274),
@@ -337,7 +338,7 @@ def test_what_the_recordings_hold(tagslam_dir: Path) -> None:
     assert list(rig.rig_T_camera) == ["cam0"]
     assert rig.side_m[2] == 0.16
     assert rig.side_m[101] == 0.1
-    far = tagslam.read(tagslam_dir / "test_24")
+    far = tagslam.read_corners(tagslam_dir / "test_24")
     true = reference_rotors(far.streams["cam0"], read_reference(tagslam_dir / "test_24"), "cam0")
     assert np.count_nonzero(np.isfinite(true[:, 0])) == 1139
 
@@ -372,7 +373,7 @@ def test_flips_of_the_recordings(tagslam_dir: Path) -> None:
 def test_the_map_of_an_unknown_layout_agrees_with_the_reference(tagslam_dir: Path) -> None:
     """SE3-aligned by evo, on every frame with a tag that has a reference."""
     root = tagslam_dir / "test_21"
-    recording = tagslam.read(root)
+    recording = tagslam.read_corners(root)
     found = map_markers(recording.streams, recording.side_m, recording.rig_T_camera)
     assert found.left_out == ()
     assert len(found.trajectory) == 402

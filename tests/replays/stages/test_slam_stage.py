@@ -13,7 +13,7 @@ from motorcade.fusion.visual_inertial import InertialSlamResult, InertialStart
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera import depth, inertial_slam, slam_poses
+from motorcade.replays.stages.camera import depth, slam_poses
 from motorcade.replays.stages.camera.slam_poses import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
@@ -137,7 +137,7 @@ class FedInertialSlam:
 def fed(monkeypatch: pytest.MonkeyPatch) -> type[FedInertialSlam]:
     class Fed(FedInertialSlam): ...
 
-    monkeypatch.setattr(inertial_slam, "InertialSlam", Fed)
+    monkeypatch.setattr(slam_poses, "InertialSlam", Fed)
     monkeypatch.setattr("motorcade.replays.io.recording.Frame.gray", lambda _: None)
     return Fed
 
@@ -209,9 +209,9 @@ def test_an_imu_goes_in_where_it_covers_the_images(
     first_ns: int, last_ns: int, carries: bool
 ) -> None:
     one = carried(first_ns, last_ns)
-    assert inertial_slam.carries_imu(one) == carries
+    assert slam_poses.carries_imu(one) == carries
     for lacking in ({"imu": None}, {"imu_T_camera": None}):
-        assert not inertial_slam.carries_imu(replace(one, **lacking))
+        assert not slam_poses.carries_imu(replace(one, **lacking))
 
 
 def test_a_pair_with_an_imu_has_metres_of_its_own(

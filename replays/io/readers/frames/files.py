@@ -22,7 +22,7 @@ from motorcade.ga.names import one_line
 from motorcade.ga.progress import track
 from motorcade.replays.io.files import DamagedError, read_bounded, refusal
 from motorcade.replays.io.readers.frames import images
-from motorcade.replays.io.readers.frames.exif import image_orientation
+from motorcade.replays.io.readers.frames.images import image_orientation
 from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks
 from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 

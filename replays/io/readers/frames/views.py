@@ -18,9 +18,7 @@ from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import Frame, FrameSequence, ImageArray
-from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.cameras.orientation import AS_STORED, ImageOrientation
-from motorcade.tracking.cameras.zoom import Zoom
+from motorcade.tracking.cameras.camera import AS_STORED, Camera, ImageOrientation, Zoom
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +35,7 @@ class ZoomedFrames:
     >>> from motorcade.replays.io.readers.frames.files import ImageFrames
     >>> from motorcade.replays.io.readers.frames.views import ZoomedFrames
     >>> from motorcade.tracking import Camera
-    >>> from motorcade.tracking.cameras.zoom import Zoom
+    >>> from motorcade.tracking.cameras.camera import Zoom
     >>> taken = ImageFrames((Path("0.png"), Path("1.png")), np.array([0, 10**9]))
     >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
     >>> [float(frame.zoom) for frame in ZoomedFrames(taken, Zoom([0, 1], [1.0, 2.0]), camera)]

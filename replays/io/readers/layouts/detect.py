@@ -21,7 +21,6 @@ from motorcade.replays.io.readers.layouts import (
     tum_rgbd,
 )
 from motorcade.replays.io.readers.ros import recording as ros
-from motorcade.replays.io.readers.tagslam import corners as tagslam_corners
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import TEXT_SUFFIXES, even_stamps
@@ -69,7 +68,7 @@ LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
     (tum_rgbd.recognise, tum_rgbd.read, "TUM RGB-D (rgb.txt)"),
     (seven_scenes.recognise, seven_scenes.read, "7-Scenes (frame-000000.color.png)"),
     (kitti.recognise, kitti.read, "KITTI (calib.txt beside image_2, image_0 or image_l)"),
-    (tagslam_corners.recognise, tagslam.read, "TagSLAM's corners (tag_detections.bag)"),
+    (tagslam.recognise, tagslam.read, "TagSLAM's corners (tag_detections.bag)"),
     (ros.recognise, ros.read, "a ROS bag (.bag, .mcap, metadata.yaml)"),
     (video.recognise, video.read, "a video file"),
 )
