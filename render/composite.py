@@ -9,8 +9,9 @@ Before that a layer is made to look taken by the footage's camera: exposure, mot
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import cv2
@@ -19,11 +20,17 @@ from numpy.typing import NDArray
 
 from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
-from motorcade.render.scene import DepthArray, ImageArray, Layer
+from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray, Layer
 
 BLUR_SAMPLES = 7
 SHADES = 4097
 """Shares of light that are told apart: less than a byte each."""
+OVER_STEPS = 32
+"""Steps of how much brighter than an image can show something is, to one."""
+REACHED, PILED, END_BYTES, FARTHEST = 1e-4, 4.0, 12, 64
+"""A camera's darkest and brightest bytes hold that share of its pixels or more, each of three so
+many times as many as those next to them, of which so many are asked; they lie nearer than the last
+to 0 and 255."""
 LUMA = np.array([0.2126, 0.7152, 0.0722], np.float32)
 
 
@@ -36,9 +43,10 @@ class Matching:
         exposure_s: how long the shutter is open about each stamp; the camera's and the character's
             motion in that time blurs what is drawn. 0 for none.
         noise: standard deviation of grey noise added, in bytes; None measures each frame's own.
+        ends: the darkest and the brightest byte that the camera stores (`stored_ends`).
 
     Raises:
-        ValueError: a gain that is not positive, or a time or noise below zero.
+        ValueError: a gain that is not positive, a time or noise below zero, or ends out of order.
 
     >>> from motorcade.render import Matching
     >>> Matching().moments_ns(1_000)
@@ -50,6 +58,7 @@ class Matching:
     gain: float = 1.0
     exposure_s: float = 0.0
     noise: float | None = 0.0
+    ends: tuple[int, int] = (0, 255)
 
     def __post_init__(self) -> None:
         checked_positive(self.gain, "Matching.gain")
@@ -57,6 +66,8 @@ class Matching:
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value >= 0.0):
                 raise ValueError(f"Matching.{name}: expected 0 or more, got {value}")
+        if not 0 <= self.ends[0] < self.ends[1] <= 255:
+            raise ValueError(f"Matching.ends: expected two bytes in order, got {self.ends}")
 
     def moments_ns(self, time_ns: int) -> IntArray:
         """Stamps (K,) at which a frame is drawn, to be averaged; the frame's own without blur."""
@@ -94,19 +105,39 @@ def is_grey(frame: ImageArray) -> bool:
     return bool(np.array_equal(some[..., 0], some[..., 1]) and np.array_equal(*some.T[1:]))
 
 
-def exposed(layer: Layer, gain: float) -> Layer:
-    """A layer whose light is `gain` times as strong."""
-    if gain == 1.0:
+def stored_ends(images: Sequence[ImageArray]) -> tuple[int, int]:
+    """The darkest and the brightest byte that the camera of some images (h, w) or (h, w, 3) stores.
+
+    0 and 255, but where pixels pile up at another one: what is darker, or brighter, is stored so.
+
+    >>> import numpy as np
+    >>> from motorcade.render.composite import stored_ends
+    >>> ramp = np.linspace(0, 300, 90_000).reshape(300, 300)
+    >>> stored_ends([np.clip(ramp, 16, 235).astype(np.uint8)])
+    (16, 235)
+    """
+    count = sum(np.bincount(image[::2, ::2].ravel(), minlength=256) for image in images)
+    ends = []
+    for share in (count / np.sum(count), (count / np.sum(count))[::-1]):
+        end = int(np.argmax(np.cumsum(share) >= REACHED))
+        pile, beside = share[: end + 3].sum() / 3.0, share[end + 3 : end + 3 + END_BYTES]
+        ends.append(end if pile > PILED * np.median(beside) and end < FARTHEST else 0)
+    return ends[0], 255 - ends[1]
+
+
+def exposed(layer: Layer, gain: float, ends: tuple[int, int] = (0, 255)) -> Layer:
+    """A layer whose light is `gain` times as strong, stored between two bytes."""
+    if gain == 1.0 and ends == (0, 255):
         return layer
     rgba = layer.rgba.copy()
     part = rgba[_extent(rgba[..., 3] > 0)]
     # Most of a figure covers its pixels whole: there a byte goes to a byte.
-    whole = np.rint(255.0 * to_srgb(gain * _linear())).astype(np.uint8)
+    whole = np.clip(np.rint(255.0 * to_srgb(gain * _linear())), *ends).astype(np.uint8)
     colors = whole[part[..., :3]]
     rim = (part[..., 3] > 0) & (part[..., 3] < 255)
     alpha = part[rim][:, 3:] / 255.0
     own = to_linear(np.minimum(part[rim][:, :3] / 255.0 / alpha, 1.0))
-    colors[rim] = np.rint(255.0 * to_srgb(gain * own) * alpha)
+    colors[rim] = np.rint(np.clip(255.0 * to_srgb(gain * own), *ends) * alpha)
     part[..., :3] = colors
     return Layer(rgba, layer.depth_m)
 
@@ -248,12 +279,14 @@ def seen_share(drawn_m: DepthArray, real_m: DepthArray) -> NDArray[np.uint16]:
     return np.asarray(np.rint(256.0 * (1.0 - np.minimum(spread, 1.0))), dtype=np.uint16)
 
 
-def darken(frame: ImageArray, shade: NDArray[np.floating[Any]]) -> ImageArray:
+def darken(frame: ImageArray, shade: NDArray[np.floating[Any]], white: float = 1.0) -> ImageArray:
     """Take a share of light away from every pixel.
 
     Args:
         frame: (h, w, 3) uint8.
         shade: (h, w) share of the light that is lost, 0 to 1.
+        white: the light of what is overexposed, 1 or more; the image shows 1, and that is what it
+            shows until as much is lost.
 
     Returns:
         (h, w, 3) uint8, a new array.
@@ -261,7 +294,7 @@ def darken(frame: ImageArray, shade: NDArray[np.floating[Any]]) -> ImageArray:
     result = frame.copy()
     part = _extent(shade * (SHADES - 1.0) >= 0.5)
     lost = np.rint((SHADES - 1.0) * np.clip(shade[part], 0.0, 1.0)).astype(np.intp)
-    first, table = 256 * lost, _darkened().ravel()
+    first, table = 256 * lost, _darkened(max(round(OVER_STEPS * (white - 1.0)), 0)).ravel()
     for k in range(3):  # a channel at once is half of what all three at once take
         result[part][..., k] = np.take(table, first + frame[part][..., k])
     return result
@@ -273,11 +306,16 @@ def _linear() -> FloatArray:
     return to_linear(np.arange(256) / 255.0)
 
 
-@cache
-def _darkened() -> ImageArray:
-    """Each byte (column) when a share of its light is lost (row, of SHADES)."""
+@lru_cache(maxsize=64)
+def _darkened(over: int) -> ImageArray:
+    """Each byte (column) when a share of its light is lost (row, of SHADES), where what is
+    overexposed is so many of `OVER_STEPS` brighter than it shows.
+    """
     kept = 1.0 - np.arange(SHADES)[:, None] / (SHADES - 1.0)
-    return np.rint(255.0 * to_srgb(kept * _linear())).astype(np.uint8)
+    full = np.clip((np.arange(256) - BRIGHTEST) / (255.0 - BRIGHTEST), 0.0, 1.0)
+    light = _linear() * (1.0 + over / OVER_STEPS * full)
+    shown = np.rint(255.0 * to_srgb(np.minimum(kept * light, 1.0)))
+    return np.minimum(shown, np.arange(256)).astype(np.uint8)
 
 
 def _extent(touched: NDArray[np.bool_]) -> tuple[slice, slice]:

@@ -14,6 +14,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 
 ImageArray = NDArray[np.uint8]
 DepthArray = NDArray[np.float32]
+BRIGHTEST = 250
+"""A byte from which on an image may be overexposed."""
 Triple = tuple[float, float, float]
 """Of a point or direction in the world, or of red, green and blue."""
 

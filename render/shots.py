@@ -37,7 +37,7 @@ from motorcade.render.composite import (
 )
 from motorcade.render.figures import DrawnFigure, Performer, lit_together
 from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, plane_homography, seen_extent
-from motorcade.render.light import ExposureMeter, Prints
+from motorcade.render.light import MOST_OVER, PAPER, ExposureMeter, Prints, light_on
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
     NEAREST_M,
@@ -137,6 +137,7 @@ class Shot:
     window: Window = WHOLE
     depth_m: DepthArray | None = None
     gain: float = 1.0
+    white: float = 1.0
     masked: tuple[ImageArray, DepthArray] | None = None
 
 
@@ -167,6 +168,9 @@ class FilmStage:
         self.start_ns: int | None = None
         self._look, self._prints = look or ShadowLook(), prints
         self._matching = matching or Matching()
+        stand = self.ground.placement
+        light = np.add(*light_on(self.lighting, stand.world_T_character.translation_m, stand.up))
+        self._paper = PAPER * float(np.mean(light))
 
     def shots(
         self,
@@ -200,18 +204,23 @@ class FilmStage:
             ]
             window = self._window(moments)
             drawn = [self._draw(renderer, one, window, depth_m is not None) for one in moments]
-            gain = matching.gain
+            gain, white = matching.gain, 1.0
             pose = world_T_camera.motors_at(time_ns)
             if meter is not None:
                 still = image if mask is None else fill_masked(image, mask)
-                gain *= meter.gain(still, camera, pose)
+                exposure = meter.gain(still, camera, pose)
+                gain, white = (
+                    gain * exposure,
+                    float(np.clip(self._paper * exposure, 1.0, MOST_OVER)),
+                )
             measured = None if depth_m is None else depth_m[window]
             if mask is None:
-                yield Shot(image, self.lens, drawn, window, measured, gain)
+                yield Shot(image, self.lens, drawn, window, measured, gain, white)
                 continue
             camera_T_ground = pose.inverse() @ self.ground.world_T_ground(time_ns)
             masked_m = standing_depth(mask, camera, camera_T_ground, depth_m)[window]
-            yield Shot(image, self.lens, drawn, window, measured, gain, (mask[window], masked_m))
+            masked = mask[window], masked_m
+            yield Shot(image, self.lens, drawn, window, measured, gain, white, masked)
 
     def _posed(self, time_ns: int, world_T_camera: Motor) -> _Moment:
         """The figures, and what they take from their grounds."""
@@ -312,7 +321,7 @@ class FilmStage:
             return frame, None
         sigma = self._matching.noise
         sigma = frame_noise(shot.image) if sigma is None else sigma
-        layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain)
+        layer = exposed(blended([one.layer for one in shot.drawn]), shot.gain, self._matching.ends)
         layer = greyed(layer) if is_grey(frame) else layer
         part, visible = self._laid_over(frame[shot.window], layer, shot)
         alpha = layer.rgba[..., 3] / 255.0
@@ -357,7 +366,7 @@ class FilmStage:
                 shade = shade * share_on_ground(raised_m, LOW * self.height_m)
             elif middle.known_m is not None and middle.ground_m is not None:
                 shade = shade * share_beyond(middle.known_m, middle.ground_m)
-            frame = darken(frame, shade * on_ground)
+            frame = darken(frame, shade * on_ground, shot.white)
         return over(frame, layer, visible=visible), visible
 
 

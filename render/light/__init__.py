@@ -26,10 +26,12 @@ from motorcade.render.light.monocular import (
     light_direction,
     lighting_without_depth,
 )
-from motorcade.render.light.prints import Prints
+from motorcade.render.light.prints import MOST_OVER, PAPER, Prints
 from motorcade.render.light.sides import CastShadow
 
 __all__ = [
+    "MOST_OVER",
+    "PAPER",
     "CastShadow",
     "ExposureMeter",
     "GroundMap",

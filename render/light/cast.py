@@ -50,9 +50,13 @@ TOGETHER_RAD = np.deg2rad(45.0)
 AT_45 = 1.2
 """A lamp's apparent radius over the softness of its shadows, for light at 45°: a disc of radius R
 spreads the shadow of a height h by a standard deviation of R h / 2 sin(45°)^-1.5."""
-REACHES = 0.7
+REACHES = 0.8
 """Of how far a thing's top is seen beyond its foot, by what scatters over cameras that stand at an
 angle of 40 to 80° to each other, as drawn rooms have it: only what most of them see scatters."""
+BEGINS = 0.5
+"""Of a thing's radius: so far before its middle begins what scatters, for cameras that stand 60°
+apart, whose lines of sight leave a round foot at the sine of half that angle. Its foot itself is
+seen alike by all."""
 BLACK = 0.1
 """Of the brightest ground: what is darker beside what scatters is a black thing."""
 FEWEST = 2
@@ -147,10 +151,13 @@ def _around(
     away /= max(float(np.linalg.norm(away)), 1e-9)
     along, across = from_eye @ away, from_eye @ [-away[1], away[0]]
     first, last = np.quantile(along, [0.03, 0.97])
-    radius = max(0.525 * float(np.ptp(np.quantile(across, [0.05, 0.95]))), 2.0)
+    radius = _radius(across)
+    for _ in range(2):  # what stands is seen wider, the farther behind its foot
+        radius = _radius(across[along < first + 2.0 * radius])
     middle = float(across[along < first + 2.0 * radius].mean())
-    foot = eye + (first + radius) * away + middle * np.array([-away[1], away[0]])
-    beyond = max(last - first - 2.0 * radius, 0.0) / REACHES
+    from_eye_to_foot = first + BEGINS * radius
+    foot = eye + from_eye_to_foot * away + middle * np.array([-away[1], away[0]])
+    beyond = max(last - from_eye_to_foot - radius, 0.0) / REACHES
     apart = cv2.distanceTransform((~thing).astype(np.uint8), cv2.DIST_L2, 5)
     around = ground.flat & ~ground.printed & ~anything & (ground.light > 0.0)
     around &= (apart > OWN_RIM) & (apart <= np.clip(REACH[0] * radius, *REACH[1:]))
@@ -160,13 +167,18 @@ def _around(
         return None
     at = np.stack([columns, rows], axis=1) - foot
     lost = 1.0 - light / _own_light(at, light, light > bright)
-    kept = np.flatnonzero((lost > -BRIGHTER) & (lost < 1.0 - BLACKEST))
+    beside = np.hypot(*at.T) > radius + OWN_RIM  # where all see the thing, nothing scatters
+    kept = np.flatnonzero(beside & (lost > -BRIGHTER) & (lost < 1.0 - BLACKEST))
     if len(kept) < FEWEST_CELLS:
         return None
     kept = kept[:: 1 + len(kept) // MOST_CELLS]
     beyond = beyond if beyond > radius else 0.0  # else its top is not seen, or it has none
-    height = beyond / (max(first, 0.0) + 2.0 * radius + beyond)
+    height = beyond / (max(from_eye_to_foot, 0.0) + radius + beyond)
     return _Thing(foot, radius, height, at[kept], lost[kept])
+
+
+def _radius(across: FloatArray) -> float:
+    return max(0.525 * float(np.ptp(np.quantile(across, [0.05, 0.95]))), 2.0)
 
 
 def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> FloatArray:

@@ -21,7 +21,7 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.render.harmonics import harmonics
-from motorcade.render.scene import DepthArray, ImageArray
+from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
 HUE_STEP = 0.05
@@ -31,7 +31,7 @@ BRIGHT_ALBEDO = 0.8
 RIDGE = np.array([0.0] + [0.03] * 3 + [0.5] * 5)
 ROUNDS = 15
 REACH_PX, STEP_PX, FLATNESS = 3, 5, 0.004
-DARKEST, BRIGHTEST = 4, 250
+DARKEST = 4
 
 
 @dataclass(frozen=True, eq=False)

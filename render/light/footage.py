@@ -14,9 +14,9 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
-from motorcade.render.light.ground import BRIGHTEST, GroundMap
+from motorcade.render.light.ground import GroundMap
 from motorcade.render.light.lamps import certainty, estimated_lighting, sunlight_direction
-from motorcade.render.scene import DepthArray, ImageArray, Lighting
+from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray, Lighting
 from motorcade.tracking.cameras.camera import Camera
 
 ENOUGH = 500

@@ -19,7 +19,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.lens import plane_homography
 from motorcade.render.light.prints import Prints
-from motorcade.render.scene import ImageArray
+from motorcade.render.scene import BRIGHTEST, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
 CELLS = 256
@@ -33,7 +33,6 @@ is usual in these images."""
 FAR_OFF, MOST_FALL = 0.25, 3.0
 """What differs by more than the first tells no vignetting; the fall of light with the square of the
 angle from the axis: cos⁴ has 2, lenses that are wide open more."""
-BRIGHTEST = 250
 VEIL = 0.02
 """Of paper's light, added before the logarithm is taken: what is darker is noise."""
 _LINEAR = to_linear(np.arange(256) / 255.0).astype(np.float32)

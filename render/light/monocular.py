@@ -57,6 +57,9 @@ SOFT_RAD = 0.35
 RADII_RAD = (0.05, 0.2)
 """Of a lamp or window, at least and at most: wider ones are sky, which the even light is; the rims
 of low, round things tell too much, since their own hidden sky adds to the rim."""
+DARKEST = 0.85
+"""The quantile of shadows that tells how dark they are: soft ones of small things are full nowhere,
+and one may be something else."""
 STEEP = 0.25
 """Least height of the sun, as a sine: lower ones throw shadows that nobody believes."""
 
@@ -406,8 +409,8 @@ def _slope(ground: GroundMap) -> FloatArray | None:
 def _shadow_look(
     ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None, text: str
 ) -> tuple[float | None, str, float | None]:
-    """How dark, and of how wide a lamp, shadows are that fall away from the light: the middle of
-    those that are seen out to their ends, if there are such, since of others the rim alone may be.
+    """How dark, and of how wide a lamp, shadows are that fall away from the light: of those that
+    are seen out to their ends, if there are such, since of others the rim alone may be.
     """
     if ground is None:
         return None, text, None
@@ -415,5 +418,7 @@ def _shadow_look(
     kept = [one for one in shadows if own is None or one.towards @ own > 0.5 * np.linalg.norm(own)]
     whole = [one for one in kept if one.lamp_radius_rad is not None]
     radii = [one.lamp_radius_rad for one in whole if one.lamp_radius_rad is not None]
-    dark = float(np.median([one.darkening for one in whole or kept])) if kept else None
+    dark = None
+    if kept:
+        dark = float(np.quantile([one.darkening for one in whole or kept], DARKEST))
     return dark, text, float(np.median(radii)) if radii else None

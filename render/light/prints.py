@@ -14,7 +14,7 @@ from motorcade.animation.appearance import to_linear
 from motorcade.animation.vectors import UP
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
-from motorcade.render.scene import ImageArray
+from motorcade.render.scene import BRIGHTEST, ImageArray
 from motorcade.tracking.cameras.camera import Camera
 
 PAPER, INK = 0.85, 0.05
@@ -23,6 +23,9 @@ PAPER, INK = 0.85, 0.05
 SAMPLES, FEWEST, LEAST_CONTRAST = 24, 200, 2.5
 # Within the brighter and the darker half: between the edges' blur and what gleams.
 WHITE_AT, BLACK_AT = 0.6, 0.4
+# Where paper is overexposed ink tells the light, were there no veil over it; half of that is
+# believed, and no more than so many times what the paper shows at least.
+BELIEVED, MOST_OVER = 0.5, 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,11 @@ class Prints:
 def light_on_paper(
     image: ImageArray, camera: Camera, world_T_camera: Motor, prints: Prints
 ) -> list[tuple[int, FloatArray]]:
-    """Number of each print that is seen, and the light (3,) on it, linear, 1 for white to white."""
+    """Number of each print that is seen, and the light (3,) on it, linear, 1 for white to white.
+
+    Overexposed paper tells the least that it may be, and ink the most: the mean of their
+    logarithms, for as much of the paper as is overexposed.
+    """
     points = prints.points_m()
     own = world_T_camera.inverse().apply(points)
     towards = world_T_camera.translation_m - points.mean(axis=1)
@@ -105,5 +112,8 @@ def light_on_paper(
         white = np.quantile(shown[bright], WHITE_AT, axis=0)
         black = np.quantile(shown[~bright], BLACK_AT, axis=0)
         if white.mean() > LEAST_CONTRAST * black.mean():
-            light.append((int(k), np.maximum(white - black, 1e-4) / (PAPER - INK)))
+            least = np.maximum(white - black, 1e-4) / (PAPER - INK)
+            full = np.mean(shown[bright] >= to_linear(BRIGHTEST / 255.0), axis=0)
+            over = np.clip(black / INK / least, 1.0, MOST_OVER)
+            light.append((int(k), least * over ** (BELIEVED * full)))
     return light

@@ -3,7 +3,8 @@
 A drawn room has a figure standing on its board. It is taken out, and its twin is set in at its
 place by the overlay, in the light that the images of the empty room tell. Both films are compared
 beside the figure: the shadow's direction from the foot, its darkening, the width of its penumbra,
-the contact's darkening under the soles, and SSIM about the figure.
+the contact's darkening under the soles, and SSIM about the figure; and of the figure its brightest
+byte of a hundred and its mean, beside it as the room's camera takes it.
 
 Rooms are drawn by a path of their own, which shares nothing with the overlay: bodies' triangles are
 projected on the ground from points of the lamp and of the sky, the ground goes into the image by
@@ -25,12 +26,19 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.metrics import structural_similarity
 
-from motorcade.animation import Character, mannequin, place_on_plane, skin
+from motorcade.animation import Character, Placement, mannequin, place_on_plane, skin
 from motorcade.animation.appearance import to_linear, to_srgb
+from motorcade.animation.vectors import unit
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
-from motorcade.render.light import ExposureMeter, Prints, ground_of_footage, lighting_without_depth
+from motorcade.render.light import (
+    ExposureMeter,
+    GroundMap,
+    Prints,
+    ground_of_footage,
+    lighting_without_depth,
+)
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera
@@ -106,6 +114,8 @@ class Replaced:
         penumbra: width of the drawn one's rim over that of the true one's.
         contact: darkening about the soles, drawn over true.
         ssim: about the figure.
+        brightest: bytes by which the figure's brightest percent is brighter than it would be.
+        mean: bytes by which all of it is.
     """
 
     summary: str
@@ -114,6 +124,8 @@ class Replaced:
     penumbra: float
     contact: float
     ssim: float
+    brightest: float
+    mean: float
 
     @property
     def beyond(self) -> list[str]:
@@ -214,8 +226,10 @@ def ground_light(bodies: list[FloatArray], light: Light) -> FloatArray:
     return total.astype(np.float64)
 
 
-def photograph(room: Room, falling: FloatArray, light: Light, pose: Motor) -> FloatArray:
-    """Linear light (h, w, 3) that a camera sees of a room without its figure."""
+def photograph(
+    room: Room, falling: FloatArray, light: Light, pose: Motor, body: FloatArray | None = None
+) -> FloatArray:
+    """Linear light (h, w, 3) that a camera sees of a room, and of a `body` (T, 3, 3) in it."""
     wide = replace(
         CAMERA,
         width=FINE * CAMERA.width,
@@ -247,8 +261,33 @@ def photograph(room: Room, falling: FloatArray, light: Light, pose: Motor) -> Fl
                 px = np.rint(16.0 * wide.project(camera_T_world.apply(polygon))).astype(np.int32)
                 shade = (thing.paint * (sun + sky)).tolist()
                 cv2.fillConvexPoly(seen, px, shade, cv2.LINE_8, 4)
+    if body is not None:
+        _paint_body(seen, body, light, wide, pose)
     small = cv2.resize(seen, (CAMERA.width, CAMERA.height), interpolation=cv2.INTER_AREA)
     return np.asarray(cv2.GaussianBlur(small, (0, 0), 0.5), np.float64)
+
+
+def _paint_body(
+    seen: NDArray[np.float32], body: FloatArray, light: Light, camera: Camera, pose: Motor
+) -> None:
+    """Lay a body's triangles (T, 3, 3) over an image, far ones first; it shades itself nowhere."""
+    normals = unit(np.cross(body[:, 1] - body[:, 0], body[:, 2] - body[:, 0]))
+    sun = light.share * np.maximum(normals @ light.towards, 0.0) / light.towards[2]
+    sky = (1.0 - light.share) * (0.6 + 0.4 * normals[:, 2])
+    shades = _paint() * (sun + sky)[:, None]
+    away = body.mean(axis=1) - pose.translation_m
+    px = camera.project(pose.inverse().apply(body.reshape(-1, 3))).reshape(-1, 3, 2)
+    px = np.rint(16.0 * px).astype(np.int32)
+    for k in np.argsort(-np.linalg.norm(away, axis=1)):
+        if normals[k] @ away[k] < 0.0:
+            cv2.fillConvexPoly(seen, px[k], shades[k].tolist(), cv2.LINE_8, 4)
+
+
+@cache
+def _paint() -> FloatArray:
+    """Linear paint (T, 3) of the figure's triangles."""
+    assert _figure().colors is not None
+    return np.asarray(to_linear(_figure().colors[_figure().triangles].mean(axis=1)))
 
 
 def taken(light: FloatArray, exposure: float, rng: np.random.Generator) -> ImageArray:
@@ -261,26 +300,38 @@ def taken(light: FloatArray, exposure: float, rng: np.random.Generator) -> Image
 
 @cache
 def _figure() -> Character:
-    return mannequin()
+    return replace(mannequin(), appearance=None)
+
+
+def _placement() -> Placement:
+    return place_on_plane(_figure(), (0.0, 0.0), 0.0, height_m=HEIGHT_M)
 
 
 def _body(time_s: float) -> tuple[FloatArray, FloatArray]:
     """Vertices (V, 3) and triangles (T, 3, 3) of the figure on the board, metres."""
-    placement = place_on_plane(_figure(), (0.0, 0.0), 0.0, height_m=HEIGHT_M)
-    vertices = placement.apply(skin(_figure(), _figure().clip("idle").at(time_s))[0])
+    vertices = _placement().apply(skin(_figure(), _figure().clip("idle").at(time_s))[0])
     return vertices, vertices[_figure().triangles]
 
 
-def replaced(room: Room, light: Light, seed: int, images: Path | None = None) -> Replaced:
-    """Take the figure out of a room, set its twin in, and compare.
-
-    Raises:
-        RenderUnavailable: this machine has no OpenGL.
+@dataclass(frozen=True, eq=False)
+class EmptyFootage:
+    """A room without its figure: its frames with their exposures (VIEWS,), what is known of them,
+    the ground as they show it, and polygons of what stands there.
     """
+
+    frames: list[tuple[int, ImageArray, None]]
+    exposures: FloatArray
+    path: Trajectory
+    prints: Prints
+    ground: GroundMap | None
+    solid: list[FloatArray]
+
+
+def empty_footage(room: Room, light: Light, seed: int) -> EmptyFootage:
+    """Take images of a room without its figure."""
     rng = np.random.default_rng(seed)
     stamps = 100_000_000 * np.arange(VIEWS, dtype=np.int64)
     path = Trajectory(stamps, room.poses, "world", "camera")
-    placement = place_on_plane(_figure(), (0.0, 0.0), 0.0, height_m=HEIGHT_M)
     faces: dict[int, list[FloatArray]] = {}
     for thing in room.things:
         for polygon in thing.faces():
@@ -300,14 +351,25 @@ def replaced(room: Room, light: Light, seed: int, images: Path | None = None) ->
         BOARD.points_m[:, :2].min(0) + BOARD.points_m[:, :2].max(0)
     )
     prints = Prints(Motor.identity((1,)), corners.min(axis=0)[None], corners.max(axis=0)[None])
-    ground = ground_of_footage(frames, CAMERA, path, placement, prints)
+    ground = ground_of_footage(frames, CAMERA, path, _placement(), prints)
+    return EmptyFootage(frames, exposures, path, prints, ground, solid)
+
+
+def replaced(room: Room, light: Light, seed: int, images: Path | None = None) -> Replaced:
+    """Take the figure out of a room, set its twin in, and compare.
+
+    Raises:
+        RenderUnavailable: this machine has no OpenGL.
+    """
+    footage, placement = empty_footage(room, light, seed), _placement()
+    frames, prints, ground = footage.frames, footage.prints, footage.ground
     lighting, summary = lighting_without_depth(
-        frames, CAMERA, path, placement, HEIGHT_M, prints, ground
+        frames, CAMERA, footage.path, placement, HEIGHT_M, prints, ground
     )
     film = render_overlay(
         [frames[k] for k in SHOWN],
         CAMERA,
-        path,
+        footage.path,
         _figure(),
         _figure().clip("idle"),
         placement,
@@ -315,26 +377,29 @@ def replaced(room: Room, light: Light, seed: int, images: Path | None = None) ->
         prints=prints,
         meter=None if ground is None else ExposureMeter(ground),
     )
-    parts, alike, shown = [], [], []
+    parts, alike, shown, looks = [], [], [], []
     for k, drawn in zip(SHOWN, film, strict=True):
-        vertices, triangles = _body(1e-9 * float(stamps[k] - stamps[SHOWN[0]]))
-        dark = ground_light([*solid, triangles], light)
+        vertices, triangles = _body(1e-9 * float(frames[k][0] - frames[SHOWN[0]][0]))
+        dark = ground_light([*footage.solid, triangles], light)
         real = taken(
-            photograph(room, dark, light, room.poses[k]),
-            exposures[k],
+            photograph(room, dark, light, room.poses[k], triangles),
+            float(footage.exposures[k]),
             np.random.default_rng([seed, k]),
         )
         body = _covered(vertices, triangles, room.poses[k])
         before = frames[k][1]
         parts.append(_lost(before, real, drawn, body, room, room.poses[k]))
         alike.append(_about(real, drawn, body))
-        shown.append(np.hstack([np.where(body[..., None], drawn, real), drawn]))
+        inner = cv2.erode(body.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+        looks.append([(np.quantile(one[inner], 0.99), one[inner].mean()) for one in (real, drawn)])
+        shown.append(np.hstack([real, drawn]))
     if images is not None:
         images.mkdir(parents=True, exist_ok=True)
         file = images / f"{seed}_{light.name}.png"
         cv2.imwrite(str(file), np.vstack(shown)[..., ::-1])
-    at_m, true, made = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return _compared(at_m, true, made, summary, float(np.mean(alike)))
+    at_m, true, lost = (np.concatenate(part) for part in zip(*parts, strict=True))
+    brightest, mean = np.mean(np.diff(looks, axis=1)[:, 0], axis=0).tolist()
+    return _compared(at_m, true, lost, summary, (float(np.mean(alike)), brightest, mean))
 
 
 def _covered(vertices: FloatArray, triangles: FloatArray, pose: Motor) -> NDArray[np.bool_]:
@@ -392,7 +457,7 @@ def _about(real: ImageArray, drawn: ImageArray, body: NDArray[np.bool_]) -> floa
 
 
 def _compared(
-    at_m: FloatArray, true: FloatArray, made: FloatArray, summary: str, ssim: float
+    at_m: FloatArray, true: FloatArray, drawn: FloatArray, summary: str, looks: tuple[float, ...]
 ) -> Replaced:
     n = round(2.0 * COMPARED_M / COARSE_M)
     column, row = np.clip(at_m.T / COARSE_M + 0.5 * n, 0, n - 1).astype(int)
@@ -402,7 +467,7 @@ def _compared(
         (
             np.bincount(row * n + column, weights=one, minlength=n * n) / np.maximum(count, 1)
         ).reshape(n, n)
-        for one in (true, made)
+        for one in (true, drawn)
     ]
     along = (np.arange(n) + 0.5 - 0.5 * n) * COARSE_M
     x, y = np.meshgrid(along, along)
@@ -423,7 +488,7 @@ def _compared(
         float(means[1] / means[0]),
         rims[1] / max(rims[0], 1e-9),
         float(contacts[1] / contacts[0]),
-        ssim,
+        *looks,
     )
 
 
@@ -460,7 +525,9 @@ def main() -> None:
                 f"room {number}, {light.name:6} (share {light.share:.2f}): "
                 f"turned {result.turned_deg:6.1f}°, darkening × {result.darkening:.2f}, "
                 f"penumbra × {result.penumbra:.2f}, contact × {result.contact:.2f}, "
-                f"SSIM {result.ssim:.3f} {', '.join(result.beyond) or 'holds'}; {result.summary}",
+                f"SSIM {result.ssim:.3f}, "
+                f"brightest {result.brightest:+.0f}, mean {result.mean:+.0f} "
+                f"{', '.join(result.beyond) or 'holds'}; {result.summary}",
                 flush=True,
             )
     print(f"{failed} of {2 * arguments.count} beyond their bounds")

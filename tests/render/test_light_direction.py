@@ -19,6 +19,7 @@ from motorcade.render.light import (
 from motorcade.render.light.cast import things_seen
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.view.rooms import FIVE, Room, draw_room, found_in, off_deg
+from tests.end_to_end import replacement
 
 UP = np.array([0.0, 0.0, 1.0])
 N = 128
@@ -153,15 +154,33 @@ def test_how_far_a_top_is_seen_tells_how_high_the_light_is() -> None:
     for aside in (-25.0, 25.0):
         off = x - aside
         light[(np.abs(y) < 7.0) & (off > 0.0) & (off < 22.0)] *= 0.4
-        scatter[(np.abs(off) < 7.0) & (y > -7.0) & (y < 21.0)] = 0.5
+        # Of its foot what lies in front is seen alike from everywhere.
+        scatter[(np.abs(off) < 7.0) & (y > -3.5) & (y < 21.0)] = 0.5
     none, eye = np.zeros((N, N), bool), np.array([0.0, -0.5])
     ground = GroundMap(Motor.identity(), 0.005, light, scatter, none, none, 0.05, eye, 0.5)
     found = cast_shadows(ground)
     assert len(found) == 2
-    # Of what is seen beyond, 13.4 cells are 0.7: 19 of 93 + 15 + 19 that lie 100 below the eye.
+    # Of what is seen beyond, 13.4 cells are 0.8: 17 of 100 + 7 + 17 that lie 100 below the eye.
     for shadow in found:
-        assert shadow.elevation_rad == pytest.approx(np.arctan2(15.0, 16.0), abs=0.2)
+        assert shadow.elevation_rad == pytest.approx(np.arctan2(13.7, 16.0), abs=0.2)
         assert shadow.towards @ [-1.0, 0.0] > np.cos(np.deg2rad(7.5))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "which"), [(1, 1), (2, 0)])
+def test_shadows_of_drawn_things_fall_from_their_feet(number: int, which: int) -> None:
+    """Cameras all on one side see a thing begin where it stands, and shadows turn to no side."""
+    rng = np.random.default_rng([41, number])
+    room = replacement.drawn_room(rng)
+    light = replacement.two_lights(rng)[which]
+    ground = replacement.empty_footage(room, light, number).ground
+    assert ground is not None
+    turned = [
+        np.rad2deg(np.angle(complex(*one.towards) / np.exp(1j * light.azimuth_rad)))
+        for one in cast_shadows(ground)
+    ]
+    assert len(turned) > 1
+    assert abs(np.median(turned)) < 7.0
 
 
 def test_things_without_shadows_are_counted() -> None:

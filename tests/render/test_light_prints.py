@@ -76,6 +76,15 @@ def test_the_light_lights_the_paper_as_the_image_shows(
     assert "direction assumed" in told
 
 
+@pytest.mark.parametrize("light", [1.3, 1.5, 1.7])
+def test_ink_tells_light_that_overexposes_paper(
+    light: float, path: Trajectory, placement: Placement
+) -> None:
+    shown = board(light * np.ones(3), veil=0.01)
+    lighting, _ = lighting_without_depth(frames(shown), CAMERA, path, placement, HEIGHT_M, prints())
+    np.testing.assert_allclose(on_ground(lighting), light, rtol=0.15)
+
+
 def test_only_brightness_and_colour_are_taken(path: Trajectory, placement: Placement) -> None:
     made, _ = lighting_without_depth(
         frames(board(np.array([0.3, 0.2, 0.1]))), CAMERA, path, placement, HEIGHT_M, prints()

@@ -1,5 +1,7 @@
 """Drawn images bent, blurred, brightened and made noisy as the footage is."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from motorcade.render.composite import (
     greyed,
     is_grey,
     noisy,
+    stored_ends,
 )
 from motorcade.render.lens import LensWarp, warped
 from motorcade.render.scene import Layer
@@ -130,9 +133,14 @@ def test_noise_is_measured_and_made_as_strong_as_said(rng: np.random.Generator) 
 
 @pytest.mark.parametrize(
     ("settings", "told"),
-    [({"gain": 0.0}, "gain"), ({"exposure_s": -1.0}, "exposure_s"), ({"noise": np.nan}, "noise")],
+    [
+        ({"gain": 0.0}, "gain"),
+        ({"exposure_s": -1.0}, "exposure_s"),
+        ({"noise": np.nan}, "noise"),
+        ({"ends": (200, 100)}, "ends"),
+    ],
 )
-def test_matching_that_means_nothing_is_refused(settings: dict[str, float], told: str) -> None:
+def test_matching_that_means_nothing_is_refused(settings: dict[str, Any], told: str) -> None:
     with pytest.raises(ValueError, match=f"Matching.{told}"):
         Matching(**settings)
 
@@ -164,6 +172,29 @@ def test_darkening_takes_that_share_of_light(share: float) -> None:
     # skimage's curves are the witness
     expected = rgb2xyz(frame / 255.0) * (1.0 - share)
     np.testing.assert_allclose(left, 255.0 * xyz2rgb(expected), atol=0.85)
+
+
+def test_what_is_overexposed_is_darkened_from_the_light_that_it_has() -> None:
+    frame = np.array([[[0, 120, 255]]], np.uint8)
+    dark = [darken(frame, np.full((1, 1), share), white=1.5)[0, 0] for share in (0.3, 0.5)]
+    plain = [darken(frame, np.full((1, 1), share))[0, 0] for share in (0.3, 0.5)]
+    assert dark[0][2] == 255  # 1.05 of what an image can show
+    assert to_linear(dark[1][2] / 255.0) == pytest.approx(0.75, abs=0.01)
+    np.testing.assert_array_equal([one[:2] for one in dark], [one[:2] for one in plain])
+
+
+def test_what_is_drawn_is_stored_between_the_footages_own_ends(rng: np.random.Generator) -> None:
+    scene = rng.normal(0.5, 0.3, (60, 80, 3))
+    limited = np.clip(np.rint(16 + 219 * scene + rng.normal(0.0, 0.7, scene.shape)), 14, 237)
+    black, white = stored_ends([np.clip(limited, 15, 236).astype(np.uint8)])
+    assert 14 <= black <= 17
+    assert 233 <= white <= 237
+    full = np.clip(rng.normal(120.0, 25.0, (60, 80, 3)), 0, 255).astype(np.uint8)
+    assert stored_ends([full]) == (0, 255)  # nothing piles up
+    layer = Layer(np.full((2, 2, 4), 255, np.uint8), np.ones((2, 2), np.float32))
+    layer.rgba[0, :, :3], layer.rgba[1, 1] = 0, (127, 127, 127, 127)
+    shown = exposed(layer, 1.0, (16, 235)).rgba[..., 0]
+    np.testing.assert_array_equal(shown, [[16, 16], [235, 117]])
 
 
 @pytest.mark.usefixtures("opengl")

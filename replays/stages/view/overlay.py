@@ -25,7 +25,7 @@ from motorcade.render import (
     render_performers,
     write_video,
 )
-from motorcade.render.composite import Matching
+from motorcade.render.composite import Matching, stored_ends
 from motorcade.render.lens import warped
 from motorcade.render.light import (
     ExposureMeter,
@@ -118,11 +118,11 @@ def overlay(
     recording = as_found(recording, camera_poses.camera, camera_poses.depth_camera)
     distorted = lens == "distort" and view == "footage"
     footage = _Footage(recording, distorted)
-    lighting, lit_by, meter = None, "a fixed light", None
+    lighting, lit_by, meter, ends = None, "a fixed light", None, (0, 255)
     marker_map = None if marker_poses is None else marker_poses.marker_map
     prints = prints_of(recording, camera_poses, marker_map)
     if light == "estimated":
-        lighting, lit_by, meter = _estimated(footage, path, placed, character, prints)
+        lighting, lit_by, meter, ends = _estimated(footage, path, placed, character, prints)
     if view != "footage":
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
     visibility: list[tuple[FigureSeen, ...] | None] = []
@@ -132,7 +132,7 @@ def overlay(
         path,
         shown,
         lighting=lighting,
-        matching=Matching(gain, exposure_s, noise),
+        matching=Matching(gain, exposure_s, noise, ends),
         prints=prints
         if all(one.ground_motion is None for one in shown)
         else None,  # where things move, a map may not hold
@@ -192,9 +192,9 @@ def _estimated(
     placed: PlacedCharacter,
     character: Character,
     prints: Prints | None,
-) -> tuple[Lighting, str, ExposureMeter | None]:
-    """The light of a few undistorted frames, spread over the recording, how it was found, and what
-    follows the exposure.
+) -> tuple[Lighting, str, ExposureMeter | None, tuple[int, int]]:
+    """The light of a few undistorted frames, spread over the recording, how it was found, what
+    follows the exposure, and the bytes between which the camera stores.
     """
     frames = footage.recording.frames
     some = np.unique(np.linspace(0, len(frames) - 1, LIT_FRAMES).round())
@@ -209,7 +209,7 @@ def _estimated(
     light = lighting_of_footage(seen, camera, path, stand, height_m)
     if light is None:
         light = lighting_without_depth(seen, camera, path, stand, height_m, prints, ground)
-    return *light, meter
+    return *light, meter, stored_ends([image for _, image, _ in seen])
 
 
 class _Footage:
