@@ -27,7 +27,7 @@ SHADES = 4097
 """Shares of light that are told apart: less than a byte each."""
 OVER_STEPS = 32
 """Steps of how much brighter than an image can show something is, to one."""
-REACHED, PILED, END_BYTES, FARTHEST = 1e-4, 4.0, 12, 64
+REACHED, PILED, END_BYTES, FARTHEST = 1e-3, 4.0, 12, 64
 """A camera's darkest and brightest bytes hold that share of its pixels or more, each of three so
 many times as many as those next to them, of which so many are asked; they lie nearer than the last
 to 0 and 255."""
