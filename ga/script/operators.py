@@ -17,7 +17,15 @@ from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.functions.elementary import where
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script.functions import Function, scalar_of
-from motorcade.ga.script.reading.syntax import Binary, Call, Expression, Slice, Unary
+from motorcade.ga.script.reading.syntax import (
+    Binary,
+    Call,
+    Expression,
+    ListOf,
+    Skipped,
+    Slice,
+    Unary,
+)
 
 _OPERATIONS: dict[str, Callable[[Multivector, Multivector], Multivector]] = {
     "^": lambda left, right: left ^ right,
@@ -34,8 +42,8 @@ _OPERATIONS: dict[str, Callable[[Multivector, Multivector], Multivector]] = {
 
 def operand_count(node: Expression) -> int:
     """How many values an expression is made of."""
-    if isinstance(node, Call):
-        return len(node.arguments)
+    if isinstance(node, Call | Skipped | ListOf):
+        return len(node.items if isinstance(node, ListOf) else node.arguments)
     return 2 if isinstance(node, Binary) else int(isinstance(node, Unary | Slice))
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
 from motorcade.ga.algebra.scalars import is_numeric
+from motorcade.ga.script import clucalc
 from motorcade.ga.script.algebras import AlgebraDefinition, definitions
 from motorcade.ga.script.errors import Place, ScriptError, Source
 from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
@@ -56,6 +57,7 @@ class _Scope:
         macro: syntax.Macro | None = None,
     ) -> None:
         self.names = names
+        self.references: set[str] = set()
         self.macro = macro
         self.arguments = arguments
         self.error = source.error
@@ -84,6 +86,9 @@ class Run:
         self._depth = 0
         self._undecided: list[Any] = []
         self._made: dict[str, Multivector] = {}
+        self._drawn: dict[str, Multivector] = {}
+        self._tools: dict[str, Any] = {}
+        self._assigned = clucalc.assigned_names(script.statements) if script.clucalc else set()
         self._gaalop = _names_gaalop(script, definition)
         self._normalized = [
             p.place for p in script.pragmas if isinstance(p, syntax.NormalizePragma)
@@ -94,7 +99,16 @@ class Run:
         self._check_ranges()
         steps = [step for step in self._script.statements if not isinstance(step, syntax.Macro)]
         self._run(steps, self._scope)
-        return self._selected(self._made)
+        if not self._script.clucalc or self._made or self._names_outputs:
+            return self._selected(self._made)
+        for name, value in self._values.items() if not self._drawn else ():
+            if not name.startswith("_"):
+                self._drawn.update(clucalc.outputs_of(name, value))
+        return self._selected(self._drawn)
+
+    @property
+    def _names_outputs(self) -> bool:
+        return any(isinstance(pragma, syntax.OutputPragma) for pragma in self._script.pragmas)
 
     def _selected(self, outputs: dict[str, Multivector]) -> dict[str, Multivector]:
         """Add the outputs of pragmas, and keep the blades they name."""
@@ -108,6 +122,9 @@ class Run:
                     )
                 if pragma.leads:
                     leading[pragma.name] = outputs[pragma.name]
+                if not isinstance(outputs[pragma.name], Multivector):
+                    kind = clucalc.kind_of(outputs[pragma.name])
+                    raise self._scope.error(pragma.place, f"expected a multivector, got a {kind}")
                 wanted = blades.setdefault(pragma.name, {})
                 wanted.update(dict.fromkeys(pragma.blades, pragma.place))
         ordered = {**leading, **outputs}
@@ -166,19 +183,29 @@ class Run:
         return False
 
     def _draw(self, step: syntax.Assignment | syntax.Mark | syntax.Screen, scope: _Scope) -> None:
-        """Show what is marked to who watches: those rows that come by here; macros draw nothing."""
-        if self._watch is None or scope.macro is not None:
+        """Show what is marked to who watches: those rows that come by here; macros draw nothing.
+
+        What a script of CLUCalc's draws under a name is its output where it marks none.
+        """
+        clucalcs = self._script.clucalc and not self._undecided
+        if scope.macro is not None or (self._watch is None and not clucalcs):
             return
-        if isinstance(step, syntax.Screen):
-            drawn = None if step.word else step.value
-            drawn_value = None if drawn is None else self._value(drawn, scope)
+        name = f"line_{step.place.line}" if isinstance(step, syntax.Screen) else step.name
+        if isinstance(step, syntax.Screen) and (step.word or step.value is None):
+            if self._watch is not None:
+                self._watch(step, None)
+            return
+        if isinstance(step, syntax.Screen) and step.value is not None:
+            value = self._value(step.value, scope)
         else:
-            drawn_value = self._read_name(syntax.Name(step.place, step.name), scope)
-        if drawn_value is not None and self._undecided:
-            drawn_value = rows_of(drawn_value, self._undecided)
-            if drawn_value is None:
-                return
-        self._watch(step, drawn_value)
+            value = self._read_name(syntax.Name(step.place, name), scope)
+        parts = clucalc.outputs_of(name, value)
+        if clucalcs:
+            self._drawn.update(parts)
+        for part in parts.values():
+            rows = rows_of(part, self._undecided) if self._undecided else part
+            if rows is not None and self._watch is not None:
+                self._watch(step, rows)
 
     def _branch(self, step: syntax.If, scope: _Scope) -> bool:
         condition, known = self._condition(step.condition, scope)
@@ -198,6 +225,11 @@ class Run:
                 # What one branch alone has made has no value behind them.
                 scope.names.pop(name, None)
             elif then[name] is not scope.names[name]:
+                if not all(isinstance(x[name], Multivector) for x in (then, scope.names)):
+                    kind = clucalc.kind_of(then[name])
+                    raise scope.error(
+                        step.place, f"{name}: expected one {kind} for a condition that is not known"
+                    )
                 merged = chosen(self._algebra, condition, then[name], scope.names[name])
                 scope.names[name] = merged
         return False
@@ -211,6 +243,8 @@ class Run:
             if self._run(step.body, scope):
                 return
             rounds += 1
+            if self._script.clucalc and rounds == clucalc.MAX_ROUNDS:
+                return
 
     def _condition(self, condition: syntax.Expression, scope: _Scope) -> tuple[Any, bool | None]:
         """The value of a condition, and whether it holds where that is known.
@@ -218,6 +252,10 @@ class Run:
         A recorded multivector tells by what it comes to in terms of the inputs, `flat`.
         """
         value = self._value(condition, scope)
+        if not isinstance(value, Multivector):
+            raise scope.error(
+                condition.place, f"condition: expected a scalar, got {clucalc.kind_of(value)}"
+            )
         try:
             return scalar_of(value), decided(scalar_of(getattr(value, "flat", value)))
         except ValueError as refused:
@@ -231,6 +269,18 @@ class Run:
                 "assign to another name",
             )
         value = self._value(step.value, scope)
+        name, outer = step.name.removeprefix("::"), step.name.startswith("::")
+        names = self._values if outer else scope.names
+        references = (self._scope if outer else scope).references
+        if name in references and not step.refers:
+            hint = "there are no references: a name behind -> is read alone"
+            raise scope.error(step.place, f"{name} refers to another value", hint)
+        if outer and self._undecided:
+            raise scope.error(step.place, "expected this outside of branches that are not known")
+        if step.refers:
+            references.add(name)
+        if not name:
+            return
         if step.mark == "?" and any(place < step.place for place in self._normalized):
             scope.names[f"{step.name}_unnormalized"] = value
             size = FUNCTIONS["abs"].apply(value)
@@ -238,7 +288,7 @@ class Run:
                 value = value / size
             except ValueError as refused:
                 raise scope.error(step.place, f"normalize: {refused}") from refused
-        scope.names[step.name] = value
+        names[name] = value
 
     def _output(self, step: syntax.Assignment | syntax.Mark, scope: _Scope) -> None:
         """Take an output; those of macros have the names that Gaalop gives them."""
@@ -249,6 +299,9 @@ class Run:
                 f"write ?{step.name}; behind the branch",
             )
         value = self._read_name(syntax.Name(step.place, step.name), scope)
+        if not isinstance(value, Multivector):
+            self._made.update(clucalc.outputs_of(step.name, value))
+            return
         name = step.name
         if scope.macro is not None:
             name = first = f"macro_{scope.macro.name}_{step.name}"
@@ -260,8 +313,9 @@ class Run:
 
     # Expressions ---------------------------------------------------------------------------------
 
-    def _value(self, root: syntax.Expression, scope: _Scope) -> Multivector:
-        stack: list[Multivector] = []
+    def _value(self, root: syntax.Expression, scope: _Scope) -> Any:
+        """A multivector; in scripts of CLUCalc's also a text, a list, a macro, or None."""
+        stack: list[Any] = []
         for node in syntax.postorder(root):
             taken = operand_count(node)
             operands = stack[len(stack) - taken :]
@@ -270,19 +324,30 @@ class Run:
             if over:
                 raise scope.error(node.place, over, "split the script, or let macros do less")
             result = self._applied(node, operands, scope)
-            if not all(map(is_finite, result.values)):
+            if isinstance(result, Multivector) and not all(map(is_finite, result.values)):
                 raise scope.error(node.place, "expected finite numbers, got an overflow")
             stack.append(result)
         return stack.pop()
 
-    def _applied(
-        self, node: syntax.Expression, operands: list[Multivector], scope: _Scope
-    ) -> Multivector:
+    def _applied(self, node: syntax.Expression, operands: list[Any], scope: _Scope) -> Any:
+        if isinstance(node, syntax.Text):
+            return node.text
+        if isinstance(node, syntax.Skipped):
+            for number, drawn in enumerate(operands if scope.macro is None else (), 1):
+                name = f"line_{node.place.line}_{number}"
+                self._drawn.update(clucalc.outputs_of(name, drawn))
+            return None
+        if isinstance(node, syntax.ListOf):
+            return self._in_clucalc(node, lambda: clucalc.listed(operands), scope)
         if isinstance(node, syntax.Number):
             return self._algebra.scalar(node.value)
         if isinstance(node, syntax.Name):
             return self._read_name(node, scope)
         if isinstance(node, syntax.Argument):
+            if not node.index:
+                return self._in_clucalc(node, lambda: clucalc.listed(scope.arguments), scope)
+            if node.index > len(scope.arguments):
+                raise scope.error(node.place, f"this macro was called without _P({node.index})")
             return scope.arguments[node.index - 1]
         if isinstance(node, syntax.Slice):
             masks = [m for blade in node.blades for m in self._masks(blade, node.place, scope)]
@@ -291,6 +356,10 @@ class Run:
             node = syntax.Call(node.place, "Dual", (node.operand,))
         if isinstance(node, syntax.Call):
             return self._called(node, operands, scope)
+        if clucalc.is_its_own(node, operands, self._script.clucalc):
+            return self._in_clucalc(
+                node, lambda: clucalc.operated(self._algebra, node, operands), scope
+            )
         if self._gaalop and isinstance(node, syntax.Binary) and node.operator == "/":
             size = operands[1].reverse_product()
             self._warn_of_parts(node, size, "Gaalop divides right by versors alone", scope)
@@ -299,7 +368,7 @@ class Run:
         except (ValueError, ArithmeticError) as refused:
             raise scope.error(node.place, str(refused)) from refused
 
-    def _read_name(self, node: syntax.Name, scope: _Scope) -> Multivector:
+    def _read_name(self, node: syntax.Name, scope: _Scope) -> Any:
         name = node.name.removeprefix("::")
         places = [self._constants, scope.names]
         if scope.macro is None or self._macros.is_own(scope.macro):
@@ -309,11 +378,49 @@ class Run:
         for names in places:
             if name in names:
                 return names[name]
+        if self._script.clucalc:
+            macro = self._macros.named(name)
+            if macro is not None or clucalc.is_predefined(name, self._algebra):
+                return macro or clucalc.predefined(name, self._algebra)
+            if name in self._assigned:
+                return None  # as a label of CLUCalc's that nothing is known of yet
         raise scope.error(node.place, f"{name} has no value here")
 
-    def _called(self, node: syntax.Call, operands: list[Multivector], scope: _Scope) -> Multivector:
+    def _in_clucalc(
+        self, node: syntax.Expression, compute: Callable[[], Any], scope: _Scope
+    ) -> Any:
+        """A value that only scripts of CLUCalc's have."""
+        try:
+            return compute()
+        except (ValueError, ArithmeticError) as refused:
+            name = f"{node.name}: " if isinstance(node, syntax.Call) and node.name else ""
+            raise scope.error(node.place, f"{name}{refused}") from refused
+
+    def _called(self, node: syntax.Call, operands: list[Any], scope: _Scope) -> Any:
         name = node.name.removeprefix("::")
+        if name == ":=":
+            scope.names[operands[0]] = operands[1]
+            return operands[1]
+        value = operands.pop(0) if not name else None
+        if name and (name in scope.names or name in self._values):
+            value = self._read_name(syntax.Name(node.place, node.name), scope)
+        if isinstance(value, syntax.Macro):
+            return self._expanded(node, value, tuple(operands), scope)
+        if value is not None and (not name or not isinstance(value, Multivector)):
+            return self._in_clucalc(node, lambda: clucalc.item_of(value, operands), scope)
+        if name.startswith("Vec") and len(operands) == 1 and isinstance(operands[0], clucalc.Items):
+            operands = clucalc.coordinates_of(operands[0])
         callee = self._macros.found(name, len(operands), scope.macro)
+        if callee is None and name in self._assigned and name in self._values and value is None:
+            return None
+        if callee is None and isinstance(value, Multivector):
+            return self._in_clucalc(node, lambda: clucalc.item_of(value, operands), scope)
+        if self._script.clucalc and callee is None:
+            callee = self._macros.named(name)
+        if not isinstance(callee, syntax.Macro) and clucalc.is_called(name, operands):
+            return self._in_clucalc(
+                node, lambda: clucalc.called(self._algebra, name, operands, self._tools), scope
+            )
         if callee is None:
             raise scope.error(node.place, *self._macros.unknown(node, scope.macro))
         if isinstance(callee, syntax.Macro):
@@ -351,7 +458,7 @@ class Run:
         macro: syntax.Macro,
         arguments: tuple[Multivector, ...],
         scope: _Scope,
-    ) -> Multivector:
+    ) -> Any:
         if self._depth >= MAX_MACRO_DEPTH:
             raise scope.error(
                 node.place, f"expected at most {MAX_MACRO_DEPTH} macros that call each other"
@@ -359,7 +466,8 @@ class Run:
         inner = _Scope(macro.source, {}, arguments, macro)
         self._depth += 1
         try:
-            self._run(macro.body, inner)
+            if self._run(macro.body, inner) or macro.value is None:
+                return None
             return self._value(macro.value, inner)
         except ScriptError as refused:
             if self._macros.is_own(macro):
@@ -396,9 +504,9 @@ class Budget:
         self._steps = 0
         self._terms = 0
 
-    def spend(self, node: syntax.Expression | None, operands: list[Multivector]) -> str:
+    def spend(self, node: syntax.Expression | None, operands: list[Any]) -> str:
         """Count a step that is about to be done: what is wrong if it is one too many, or ""."""
-        self._steps += 1
+        self._steps += 1 + sum(map(clucalc.weight_of, operands))
         if self._steps > MAX_STEPS:
             return f"expected at most {MAX_STEPS} steps"
         self._terms += 0 if node is None else _terms(node, operands)
@@ -407,7 +515,9 @@ class Budget:
         return ""
 
 
-def _terms(node: syntax.Expression, operands: list[Multivector]) -> int:
+def _terms(node: syntax.Expression, operands: list[Any]) -> int:
+    if not all(isinstance(x, Multivector) for x in operands):
+        return 0
     sizes = [len(x.masks) for x in operands]
     if isinstance(node, syntax.Binary) and node.operator in _PRODUCTS:
         return sizes[0] * sizes[1]
@@ -463,6 +573,10 @@ class Macros:
                 macro.place, f"{macro.name} is already defined", "choose another name"
             )
         self.own[key] = macro
+
+    def named(self, name: str) -> syntax.Macro | None:
+        """The script's macro of a name whatever it takes, if there is one."""
+        return next((macro for (known, _), macro in self.own.items() if known == name), None)
 
     def is_own(self, macro: syntax.Macro | None) -> bool:
         """Whether a macro is the script's, or one that it imports."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from motorcade.ga.algebra import Algebra
+from motorcade.ga.script import clucalc
 from motorcade.ga.script.algebras import AlgebraDefinition
 from motorcade.ga.script.errors import Place
 from motorcade.ga.script.reading import syntax
@@ -25,8 +26,13 @@ class _Names:
         self.free: dict[str, Place] = {}
         self._constants = constants
         self._known = set(constants)
-        self._macros = macros
+        self.macros = macros
         self._seen: set[syntax.Macro] = set()
+
+    @property
+    def known(self) -> frozenset[str]:
+        """The names that have been assigned."""
+        return frozenset(self._known)
 
     def read(self, name: str, place: Place) -> None:
         if name not in self._known:
@@ -39,7 +45,7 @@ class _Names:
                 self.read(step.name, step.place)
             elif isinstance(step, syntax.Assignment):
                 self._read_all(self._inside([step.value], None))
-                self._known.add(step.name)
+                self._known.add(step.name.removeprefix("::"))
                 if step.mark == "?" and any(place < step.place for place in self._normalized):
                     self._known.add(f"{step.name}_unnormalized")
             elif isinstance(step, syntax.If):
@@ -74,9 +80,11 @@ class _Names:
                 call = (node.name.removeprefix("::"), len(node.arguments))
             if isinstance(node, syntax.Name):
                 yield node
+            elif isinstance(node, syntax.Call) and node.name == ":=":
+                self._known.add(getattr(node.arguments[0], "text", ""))
             elif call is not None:
-                macro_called = self._macros.found(*call, macro)
-                if isinstance(macro_called, syntax.Macro) and self._macros.is_own(macro_called):
+                macro_called = self.macros.found(*call, macro) or self.macros.named(call[0])
+                if isinstance(macro_called, syntax.Macro) and self.macros.is_own(macro_called):
                     yield macro_called
 
     def _of_macro(self, macro: syntax.Macro) -> Iterator[syntax.Name | syntax.Macro]:
@@ -95,11 +103,12 @@ class _Names:
                 elif isinstance(step, syntax.Loop):
                     yield from steps_of(step.body)
 
-        for value, assigned in (*steps_of(macro.body), (macro.value, "")):
+        last = [] if macro.value is None else [(macro.value, "")]
+        for value, assigned in (*steps_of(macro.body), *last):
             for node in self._inside([value], macro):
                 if isinstance(node, syntax.Macro) or node.name not in local:
                     yield node
-            local.add(assigned)
+            (self._known if assigned.startswith("::") else local).add(assigned.removeprefix("::"))
 
 
 def free_names(
@@ -115,6 +124,11 @@ def free_names(
     for pragma in script.pragmas:
         if isinstance(pragma, syntax.OutputPragma):
             names.read(pragma.name, pragma.place)
+    if script.clucalc:
+        known = [name for name in names.free if clucalc.is_predefined(name, algebra)]
+        known += [name for name in names.free if names.macros.named(name) is not None]
+        known += names.known
+        return {name: place for name, place in names.free.items() if name not in known}
     return names.free
 
 

@@ -34,10 +34,6 @@ MAX_NAME = 64
 Macros = Mapping[tuple[str, int], Macro]
 _TABLES = ("names", "squares", "null_pairs", "named", "macros")
 _KNOWN = {algebra: algebra for algebra in (CGA3, EGA3, PGA3)}
-# What every algebra has that does not say otherwise.
-COMMON_MACROS = """
-Normalize = { _P(1) / abs(_P(1)) }
-"""
 
 
 @dataclass(frozen=True)
@@ -55,12 +51,19 @@ class AlgebraDefinition:
 
         Raises FileError: a file that cannot be read; ScriptError: what is wrong with one.
         """
-        common = _macros_of(parse(COMMON_MACROS, "<macros>"))
+        common = _common_macros()
         if not self.macro_file:
             return common
         path = path_below(self.folder, self.macro_file)
         text = text_of(path, read_bounded(path, MAX_IMPORTED_BYTES))
         return common | _macros_of(parse(text, str(path), self.folder))
+
+
+@cache
+def _common_macros() -> dict[tuple[str, int], Macro]:
+    """What every algebra has that does not say otherwise."""
+    path = Path(__file__).parent / "common.clu"
+    return _macros_of(parse(text_of(path, read_bounded(path, MAX_IMPORTED_BYTES)), "<macros>"))
 
 
 def _macros_of(script: Script) -> dict[tuple[str, int], Macro]:

@@ -1,14 +1,15 @@
 """Expressions of CLUScript by operator precedence, on a stack of its own.
 
 Tightest first: brackets, calls and slices ``x[e1, e2]``, the prefixes ``*`` dual, ``~`` reverse,
-``-`` and ``!!`` not, then ``^`` with ``&``, ``.`` with ``<<`` and ``>>``, ``/``, ``*``, then ``-``
-and ``+`` together, comparisons, ``==`` and ``!=``, ``&&``, ``||``. All binary operators group to
-the left, so ``a - b + c`` is ``(a - b) + c``. Nesting is limited, and never costs the caller's own
-stack.
+``-``, ``!`` inverse and ``!!`` not, the remainder ``%``, then ``^`` with ``&``, ``.`` with ``<<``
+and ``>>``, ``/``, ``*``, then ``-`` and ``+`` together, comparisons, ``==`` and ``!=``, ``&&``,
+``||``. All binary operators group to the left, so ``a - b + c`` is ``(a - b) + c``. Nesting is
+limited, and never costs the caller's own stack.
 """
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from motorcade.ga.script.errors import Place, ScriptError, Source
@@ -19,14 +20,20 @@ MAX_NESTING = 200
 MAX_ARGUMENTS = 100
 MAX_OPERATIONS = 20_000
 
-_TIGHTEST_LAST = ("||", "&&", "== !=", "< <= > >=", "- +", "*", "/", ". << >>", "^ &")
+_TIGHTEST_LAST = ("||", "&&", "== !=", "< <= > >=", "- +", "*", "/", ". << >>", "^ &", "%")
 _BINDING = {
     operator: binding
     for binding, together in enumerate(_TIGHTEST_LAST, 1)
     for operator in together.split()
 }
-_PREFIXES = frozenset(["*", "~", "-", "!!"])
-_PREFIX_BINDING = 10
+_PREFIXES = frozenset(["*", "~", "-", "!!", "!"])
+_PREFIX_BINDING = 11
+# What only draws in CLUCalc, or sets up its windows, textures, lights and tools.
+_DRAWS = re.compile(
+    r"(?:Read|Write|Copy|Resize|Reshape|Insert|GetLatex)Img|GetImgCoords|Img2Matrix|Matrix2Img|"
+    r"Draw\w+|Set[A-Z]\w*|Enable[A-Z]\w*|(?:Start|End)(?:Overlay|View)|(?:Push|Pop)Frame|Plot|Offset"
+    r"|DefVars(?:E3|P3|N3|C2)|(?:Rotate|Translate|Scale)(?:Frame|View)|Button|_AddScriptToList|_ClearScriptList|Title"
+)
 
 
 _SLICED = "x[e1, e2^e3] is the part of x on these blades, coefficient(x, e1) one coefficient"
@@ -38,6 +45,9 @@ class Cursor:
     def __init__(self, source: Source, tokens: list[Token]) -> None:
         self.source = source
         self.operations = 0
+        self.clucalc = False
+        self.macros: set[str] = set()
+        self._named: set[str] = set()
         self._tokens = tokens
         self._next = 0
 
@@ -103,6 +113,19 @@ class Cursor:
         if self.at(";"):
             self.take()
 
+    def draws(self, name: str) -> bool:
+        """Whether a call only draws in CLUCalc, and no macro of the script has its name."""
+        return name not in self.macros and _DRAWS.fullmatch(name) is not None
+
+    def skip(self, call: _Pending, arguments: tuple[syntax.Expression, ...]) -> syntax.Skipped:
+        """Leave out a call that only draws, and name it once."""
+        self.clucalc = True
+        if call.text not in self._named and not call.text.startswith("DefVars"):
+            self._named.add(call.text)
+            self.source.warn(call.place, f"{call.text} is for CLUCalc's window: skipped")
+        drawn = arguments if call.text.startswith("Draw") else ()
+        return syntax.Skipped(call.place, call.text, drawn)
+
     def unexpected(self, expected: str, hint: str = "") -> ScriptError:
         """The error of a token that cannot come next."""
         return self.source.error(
@@ -165,8 +188,12 @@ class _Reader:
             token = cursor.token
             if token.kind == "symbol" and token.text in _PREFIXES:
                 self._push(cursor.take(), _PREFIX_BINDING)
-            elif cursor.at("("):
+            elif cursor.at("(") or cursor.at("["):
                 self._push(cursor.take(), 0)
+                cursor.clucalc |= token.text == "["
+                if token.text == "[" and cursor.at("]"):
+                    self._close(cursor.take(), empty=True)
+                    return
             elif token.kind == "name" and cursor.following.text == "(" and token.text != "_P":
                 self._push(cursor.take(), 0)
                 cursor.take()
@@ -182,6 +209,9 @@ class _Reader:
         token = cursor.token
         if token.kind == "number":
             return syntax.Number(cursor.take().place, float(token.text))
+        if token.kind == "text":
+            cursor.clucalc = True
+            return syntax.Text(cursor.take().place, re.sub(r"\\(.)", r"\1", token.text[1:-1]))
         if token.kind != "name":
             hint = "" if token.kind != "symbol" else "an operand is a name, a number or a bracket"
             raise cursor.unexpected("an expression", hint)
@@ -196,24 +226,37 @@ class _Reader:
         while True:
             token = cursor.token
             binding = _BINDING.get(token.text) if token.kind == "symbol" else None
-            if cursor.at("["):
+            if cursor.at("[") and not isinstance(self._operands[-1], syntax.ListOf):
                 self._operands.append(_slice(cursor, self._operands.pop()))
                 continue
+            if cursor.at("("):
+                self._push(Token("symbol", "", cursor.take().place), 0, below=1)
+                cursor.clucalc = True
+                if cursor.at(")"):
+                    self._close(cursor.take())
+                    continue
+                return True
             if binding is not None:
                 self._reduce(binding)
                 self._pending.append(_Pending(cursor.take().place, token.text, binding, 0))
                 self._warn_of_powers(token)
                 return True
-            if not (cursor.at(",") or cursor.at(")")):
+            if cursor.at("=") and self._nesting and isinstance(self._operands[-1], syntax.Name):
+                self._pending.append(_Pending(cursor.take().place, "=", 1, 0))
+                cursor.clucalc = True
+                return True
+            if not any(map(cursor.at, ",)][")):
                 return False
             self._reduce(1)
             if not self._pending and self._closed and cursor.at(")"):
                 return False
             if not self._pending:
                 raise cursor.unexpected("an operator or ';'", "no bracket is open here")
-            if cursor.at(","):
+            if cursor.at(",") or cursor.at("["):
                 self._next_argument()
                 return True
+            if cursor.at("]") != (self._pending[-1].text == "["):
+                raise cursor.unexpected("')'" if cursor.at("]") else "']'")
             self._close(cursor.take())
 
     def _warn_of_powers(self, operator: Token) -> None:
@@ -237,9 +280,10 @@ class _Reader:
             raise self._cursor.unexpected("')'", "only a call has several arguments")
         if len(self._operands) - opened.operands_below >= MAX_ARGUMENTS:
             raise self._cursor.unexpected(f"at most {MAX_ARGUMENTS} arguments")
-        self._cursor.take()
+        if not self._cursor.at("["):
+            self._cursor.take()
 
-    def _push(self, token: Token, binding: int) -> None:
+    def _push(self, token: Token, binding: int, below: int = 0) -> None:
         self._nesting += 1
         if self._nesting > MAX_NESTING:
             raise self._cursor.source.error(
@@ -247,7 +291,8 @@ class _Reader:
                 f"expected at most {MAX_NESTING} levels of nesting",
                 "give parts of the expression names of their own",
             )
-        self._pending.append(_Pending(token.place, token.text, binding, len(self._operands)))
+        operands = len(self._operands) - below
+        self._pending.append(_Pending(token.place, token.text, binding, operands))
 
     def _close(self, bracket: Token, *, empty: bool = False) -> None:
         opened = self._pending.pop()
@@ -257,7 +302,12 @@ class _Reader:
         arguments = () if empty else tuple(self._operands[opened.operands_below :])
         del self._operands[opened.operands_below :]
         self._cursor.count_operation(bracket.place)
-        self._operands.append(syntax.Call(opened.place, opened.text, arguments))
+        if opened.text == "[":
+            self._operands.append(syntax.ListOf(opened.place, arguments))
+        elif self._cursor.draws(opened.text):
+            self._operands.append(self._cursor.skip(opened, arguments))
+        else:
+            self._operands.append(syntax.Call(opened.place, opened.text, arguments))
 
     def _reduce(self, binding: int) -> None:
         """Build what binds at least as tightly, down to the last open bracket."""
@@ -270,6 +320,10 @@ class _Reader:
                 self._operands.append(syntax.Unary(waiting.place, waiting.text, right))
             else:
                 left = self._operands.pop()
+                if waiting.text == "=" and isinstance(left, syntax.Name):
+                    named = syntax.Text(left.place, left.name)
+                    self._operands.append(syntax.Call(waiting.place, ":=", (named, right)))
+                    continue
                 self._operands.append(syntax.Binary(waiting.place, waiting.text, left, right))
 
 
@@ -311,13 +365,16 @@ def _blade(cursor: Cursor) -> str:
 
 
 def _argument(cursor: Cursor, name: Token) -> syntax.Argument:
-    """The rest of ``_P(1)``."""
+    """The rest of ``_P(1)``; without a number it is the list of all."""
     hint = "a macro's arguments are _P(1), _P(2), …"
-    cursor.expect("(", hint)
+    if not cursor.at("(") and not cursor.at("["):
+        cursor.clucalc = True
+        return syntax.Argument(name.place, 0)
+    closing = ")" if cursor.take().text == "(" else "]"
     token = cursor.token
     whole = token.kind == "number" and token.text.isdigit() and len(token.text) <= 4
     if not whole or not 1 <= int(token.text) <= MAX_ARGUMENTS:
         raise cursor.unexpected(f"a whole number from 1 to {MAX_ARGUMENTS}", hint)
     cursor.take()
-    cursor.expect(")", hint)
+    cursor.expect(closing, hint)
     return syntax.Argument(name.place, int(token.text))

@@ -3,8 +3,8 @@
 Names are ASCII identifiers. Numbers are decimal, with an optional exponent and C's suffixes f and
 d, which change nothing; a point that follows digits belongs to the number, so the inner product of
 a number is written with a space. ``/*`` always opens a comment: division by a dual is ``a / *b``.
-``//#pragma …``, ``#pragma …`` and ``#include …`` are one token each, and so is a name with ``::``
-before it, which says that it is the script's.
+``//#pragma …``, ``#pragma …`` and ``#include …`` are one token each, and so are a text in quotes
+and a name with ``::`` before it, which says that it is the script's.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ MAX_TOKENS = 200_000
 _PATTERN = re.compile(
     r"(?P<space>[ \t\r\f]+)"
     r"|(?P<newline>\n)"
-    r"|(?P<pragma>(?:(?://)?#pragma|#include)\b[^\n]*)"
+    r"|(?P<pragma>(?:(?://)?#s?pragma|#include)\b[^\n]*)"
     r"|(?P<comment>//[^\n]*)"
     r"|(?P<block>/\*)"
     r"|(?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:[fFdD](?![A-Za-z_0-9]))?"
     r"|(?P<name>(?:::)?[A-Za-z_][A-Za-z_0-9]*)"
-    r"|(?P<symbol>[=!<>]=|&&|\|\||!!|<<|>>|[-+*/^.~()=?!:;,{}<>&\[\]])"
+    r'|(?P<text>"(?:[^"\\]|\\[^\n])*+")'
+    r"|(?P<symbol>[=!<>]=|&&|\|\||!!|->|<<|>>|[-+*/%^.~()=?!:;,{}<>&\[\]])"
 )
 _ALMOST = re.compile(r"//[ \t]+#(?:pragma|include)\b")
 _HINTS = {
     "$": "an output's blades are chosen with #pragma output NAME BLADE …",
-    "%": "there is no remainder; write x - y*floor(x/y)",
     "|": "the inner product is written with a point",
     "#": "a pragma is written #pragma, a file of macros #include FILE",
-    '"': "there are no strings",
+    '"': "this text has no end",
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A piece of a script; `kind` is name, number, symbol, pragma or end."""
+    """A piece of a script; `kind` is name, number, text, symbol, pragma or end."""
 
     kind: str
     text: str
@@ -76,6 +76,8 @@ def tokenize(source: Source) -> list[Token]:
         elif kind not in ("space", "comment"):
             token = Token(kind, match.group(kind), place)
             tokens.append(_checked(source, token, text[end : end + 1]))
+            line += token.text.count("\n")
+            start = max(start, text.rfind("\n", position, end) + 1)
         if len(tokens) > MAX_TOKENS:
             raise source.error(place, f"expected at most {MAX_TOKENS} tokens", "split the script")
         position = end

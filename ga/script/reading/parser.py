@@ -5,7 +5,9 @@ A statement is ``name = expression;`` or, with a mark, ``?name = expression;`` o
 statements; expression }``; its arguments are ``_P(1)``, ``_P(2)``, … Macros do not nest. There are
 ``if (condition) { … } else { … }`` and ``loop { … break; … }``. What CLUCalc and Gaalop write for
 the screen is a statement too: ``:IPNS;``, ``:Red;``, ``:a^b;``; in macros, and as
-``_BGColor = White;``, it is read and left out. ``DefVarsN3();`` is the pragma of its algebra.
+``_BGColor = White;``, it is read and left out. ``DefVarsN3();`` is the pragma of its algebra. Of
+CLUCalc's scripts there are also texts, lists, ``a % b``, ``x -> y``, ``list << item``, calls and
+values that stand alone, colours behind what is drawn, and macros without a value.
 
 Pragmas of CLUScript: lines ``#pragma …`` or ``//#pragma …`` beside the statements.
 
@@ -27,7 +29,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from motorcade.ga.files import FileError, read_bounded
-from motorcade.ga.script.errors import Source
+from motorcade.ga.script.errors import Place, Source
 from motorcade.ga.script.reading import syntax
 from motorcade.ga.script.reading.expressions import Cursor, parse_expression
 from motorcade.ga.script.reading.lexer import Token, tokenize
@@ -36,10 +38,15 @@ MAX_BLOCKS = 20
 _MARKS = ("?", "!", ":")
 _COLOURS = ("Black", "Blue", "Cyan", "Green", "Magenta", "Orange", "Red", "White", "Yellow")
 _SCREEN = frozenset(["IPNS", "OPNS", *_COLOURS])
-_ALGEBRAS = {"DefVarsE3": "ega3", "DefVarsN3": "cga3"}
+# The algebras of CLUCalc's names, those that hold the others last.
+_ALGEBRAS = {"E3": "ega3", "P3": "p3", "C2": "c2", "N3": "cga3"}
+_BINARY = re.compile(r"[-+*/^.&]")
+_CLUCALCS = re.compile("_(?:2dView|DoAnimate|FrameBoxSize)|%")
+_OF_ALGEBRA = re.compile(
+    r"(?:DefVars|DirVec|Vec|Rotor|Reflector|Sphere|Translator|Dilator)([EPNC][23])"
+)
 _HINTS = {
     **dict.fromkeys(("for", "while"), "a loop is written loop { … if (…) { break; } … }"),
-    **dict.fromkeys(("DefVarsP3", "DefVarsC2"), "write #pragma algebra P Q R"),
 }
 _USUAL = "a statement is name = expression; or ?name;"
 
@@ -77,8 +84,15 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> syntax.Scr
             source.warn(pragma.place, pragma.why)
     cursor = Cursor(source, [token for token in tokens if token.kind != "pragma"])
     reader = _Statements(cursor, pragmas)
+    cursor.macros = {macro.name for macro in macros}
+    cursor.macros.update(
+        name.text
+        for name, equals, brace in zip(tokens, tokens[1:], tokens[2:], strict=False)
+        if (name.kind, equals.text, brace.text) == ("name", "=", "{")
+    )
+    reader.name_algebra(tokens)
     statements = (*macros, *reader.read())
-    return syntax.Script(source, statements, tuple(pragmas), folder)
+    return syntax.Script(source, statements, tuple(pragmas), folder, cursor.clucalc)
 
 
 def _imported(source: Source, pragma: syntax.ImportPragma, imports: Imports) -> list[syntax.Macro]:
@@ -107,6 +121,7 @@ class _Statements:
         self._unrolled = [p for p in pragmas if isinstance(p, syntax.UnrollPragma)]
         self._in_macro = False
         self._blocks = 0
+        self._macros: list[syntax.Macro] = []
         self._loops = 0
 
     def read(self) -> list[syntax.Statement]:
@@ -114,13 +129,19 @@ class _Statements:
         cursor = self._cursor
         statements: list[syntax.Statement] = []
         while cursor.token.kind != "end":
-            if cursor.token.text in _ALGEBRAS and cursor.following.text == "(":
-                self._pragmas.append(_algebra_statement(cursor))
-            elif cursor.token.kind == "name" and self._opens_macro():
-                statements.append(self._macro())
-            else:
-                statements.extend(self._step())
-        return statements
+            statements.extend(self._step())
+        return [*self._macros, *statements]
+
+    def name_algebra(self, tokens: list[Token]) -> None:
+        """Add the pragma of the largest algebra whose vectors a script of CLUCalc's defines."""
+        self._cursor.clucalc = any(_CLUCALCS.fullmatch(token.text) for token in tokens)
+        named = [t for t in tokens if t.kind == "name" and _OF_ALGEBRA.fullmatch(t.text)]
+        if not any(t.text.startswith("DefVars") or t.text[-2:] in ("P3", "C2") for t in named):
+            return
+        largest = max(named, key=lambda t: list(_ALGEBRAS).index(t.text[-2:]))
+        name = _ALGEBRAS[largest.text[-2:]]
+        self._pragmas.append(syntax.AlgebraPragma(largest.place, name, (0, 0, 0)))
+        self._cursor.clucalc = True
 
     def _opens_macro(self) -> bool:
         return self._cursor.following.text == "=" and self._cursor.second.text == "{"
@@ -131,20 +152,23 @@ class _Statements:
         if cursor.at(";"):
             cursor.take()
             return []
+        if cursor.token.kind == "name" and self._opens_macro() and not self._in_macro:
+            self._macros.append(self._macro())
+            return []
         drawn = self._for_the_screen()
         if drawn is not None:
             return drawn
         if cursor.token.kind == "name" and cursor.following.text == "(" and cursor.named("if"):
             return [self._if()]
-        if cursor.named("loop") and cursor.following.text == "{":
+        if cursor.named("loop") and (self._in_macro or cursor.following.text == "{"):
             return [self._loop()]
         if cursor.named("break") and cursor.following.text != "=":
             place = cursor.take().place
-            if not self._loops:
+            if not self._loops and not self._in_macro:
                 raise cursor.source.error(place, "expected a break inside a loop")
             cursor.end_statement()
             return [syntax.Break(place)]
-        return [self._assigned()]
+        return self._assigned()
 
     def _block(self) -> tuple[syntax.Step, ...]:
         """``{ statements }``, or one statement."""
@@ -205,7 +229,7 @@ class _Statements:
         if cursor.token.text == "_BGColor" and word == "=":
             cursor.take()
             cursor.take()
-        elif drawn and word in _SCREEN:
+        elif drawn and word in _SCREEN and not _BINARY.fullmatch(cursor.second.text):
             cursor.take()
             cursor.take()
             if cursor.at(";"):
@@ -216,33 +240,102 @@ class _Statements:
         else:
             return None
         value = self._expression()
-        cursor.end_statement()
+        self._end_drawn()
         word = value.name if isinstance(value, syntax.Call) and value.name == "Color" else ""
         return self._kept(syntax.Screen(place, word, value)) if drawn else []
 
     def _kept(self, screen: syntax.Screen) -> list[syntax.Step]:
         return [] if self._in_macro else [screen]
 
-    def _assigned(self) -> syntax.Assignment | syntax.Mark:
+    def _end_drawn(self) -> None:
+        """Read the end of a statement, and the colours and styles that CLUCalc takes behind it."""
+        cursor = self._cursor
+        before = cursor.before
+        while (
+            cursor.at(":") and before is not None and cursor.token.place.line == before.place.line
+        ):
+            cursor.clucalc = True
+            cursor.take()
+            self._expression()
+        cursor.end_statement()
+
+    def _assigned(self) -> list[syntax.Step]:
         cursor = self._cursor
         mark = cursor.take().text if any(map(cursor.at, _MARKS)) else ""
-        if cursor.token.kind != "name" or cursor.token.text == "_P":
-            raise cursor.unexpected("a name", _USUAL)
+        named = cursor.token.kind == "name" and cursor.token.text != "_P"
+        ends = cursor.following.kind in ("name", "end") or cursor.following.text in _MARKS
+        if not named or not (ends or cursor.following.text in ("=", ";", "->", "}")):
+            return self._unnamed(mark)
         name = cursor.take()
         said = name.text.removeprefix("::")
         if mark and cursor.at_end:
-            cursor.end_statement()
-            return syntax.Mark(name.place, mark, said)
-        cursor.expect("=", _HINTS.get(said, _USUAL))
+            self._end_drawn()
+            return [syntax.Mark(name.place, mark, said)]
+        if cursor.clucalc and cursor.at(";"):
+            return []
+        refers = cursor.at("->")
+        cursor.clucalc |= refers
+        if refers:
+            cursor.take()
+        else:
+            cursor.expect("=", _HINTS.get(said, _USUAL))
         if cursor.at("{"):
             raise cursor.unexpected("an expression", "a macro stands by itself and has no mark")
-        if self._in_macro and name.text != said:
-            raise cursor.source.error(
-                name.place, f"a macro reads {name.text}, and assigns names of its own alone"
-            )
+        said = name.text if self._in_macro else said
+        if cursor.token.kind == "name" and cursor.following.text == "=":
+            first = self._assigned()
+            chained = syntax.Name(cursor.token.place, getattr(first[-1], "name", ""))
+            return [*first, syntax.Assignment(name.place, mark, said, chained, refers)]
+        value = self._expression()
+        self._end_drawn()
+        return [syntax.Assignment(name.place, mark, said, value, refers)]
+
+    def _unnamed(self, mark: str) -> list[syntax.Step]:
+        """A value that stands alone, as of ``f(x);``, ``?"text";`` or ``list << item;``."""
+        cursor = self._cursor
+        place = cursor.token.place
+        if (
+            cursor.token.kind not in ("name", "number", "text")
+            and cursor.token.text not in "*-~!(["
+        ):
+            raise cursor.unexpected("a name", _USUAL)
+        hint = _HINTS.get(cursor.token.text, _USUAL)
+        value = self._expression()
+        if cursor.at("=") and not mark and not isinstance(value, syntax.Number):
+            return self._into(value)
+        if not mark and isinstance(value, syntax.Number):
+            raise cursor.source.error(place, "expected a name", _USUAL)
+        if hint != _USUAL:
+            raise cursor.unexpected("'='", hint)
+        known = cursor.clucalc or isinstance(value, syntax.Call | syntax.Skipped)
+        if not mark and not known and not _appends(value):
+            raise cursor.unexpected("'='", _USUAL)
+        cursor.clucalc = True
+        self._end_drawn()
+        return [_alone(place, mark, value)]
+
+    def _into(self, target: syntax.Expression) -> list[syntax.Step]:
+        """``list(place) = value;`` or ``[a, b] = list;``."""
+        cursor = self._cursor
+        place = target.place
+        names = target.items if isinstance(target, syntax.ListOf) else ()
+        item = isinstance(target, syntax.Call) and target.name and target.arguments
+        if not item and not (names and all(isinstance(name, syntax.Name) for name in names)):
+            raise cursor.unexpected("';'", _USUAL)
+        cursor.take()
+        cursor.clucalc = True
         value = self._expression()
         cursor.end_statement()
-        return syntax.Assignment(name.place, mark, said, value)
+        if isinstance(target, syntax.Call):
+            into = (syntax.Name(place, target.name), *target.arguments, value)
+            said = target.name if self._in_macro else target.name.removeprefix("::")
+            return [syntax.Assignment(place, "", said, syntax.Call(place, "=", into))]
+        whole = syntax.Name(place, f"line_{place.line}_list")
+        steps: list[syntax.Step] = [syntax.Assignment(place, "", whole.name, value)]
+        for number, name in enumerate(names, 1):
+            part = syntax.Call(place, "", (whole, syntax.Number(place, float(number))))
+            steps.append(syntax.Assignment(place, "", getattr(name, "name", ""), part))
+        return steps
 
     def _expression(self, *, closed: bool = False) -> syntax.Expression:
         value = parse_expression(self._cursor, closed=closed)
@@ -260,20 +353,30 @@ class _Statements:
         cursor.take()
         self._in_macro = True
         body: list[syntax.Step] = []
-        while self._at_step():
-            if cursor.following.text == "=" and cursor.second.text == "{":
-                raise cursor.unexpected("an expression", "a macro holds no other macro")
-            body.extend(self._step())
-        if cursor.at("}"):
+        value: syntax.Expression | None = None
+        while value is None and not cursor.at("}"):
+            if self._at_step():
+                if cursor.following.text == "=" and cursor.second.text == "{":
+                    raise cursor.unexpected("an expression", "a macro holds no other macro")
+                body.extend(self._step())
+                continue
+            value = self._expression()
+            if cursor.at("="):
+                body.extend(self._into(value))
+                value = None
+                continue
+            if cursor.at(";"):
+                cursor.take()
+            if (cursor.clucalc and not cursor.at("}")) or (cursor.clucalc and _appends(value)):
+                body.append(_alone(value.place, "", value))
+                value = None
+        if value is None and not cursor.clucalc:
             raise cursor.unexpected(
                 "an expression", "a macro ends in the expression that it stands for"
             )
-        value = self._expression()
-        if cursor.at(";"):
-            cursor.take()
         cursor.expect("}", "a macro is name = { statements; expression }")
         self._in_macro = False
-        parts = [*syntax.expressions_of(body), value]
+        parts = [*syntax.expressions_of(body), *([] if value is None else [value])]
         indices = [
             n.index
             for part in parts
@@ -292,19 +395,33 @@ class _Statements:
             return True
         if cursor.token.kind != "name" or cursor.token.text == "_P":
             return False
-        if cursor.following.text == "=" or cursor.named("break"):
+        if cursor.following.text in ("=", "->") or cursor.named("break"):
             return True
         return (cursor.named("if") and cursor.following.text == "(") or (
             cursor.named("loop") and cursor.following.text == "{"
         )
 
 
-def _algebra_statement(cursor: Cursor) -> syntax.AlgebraPragma:
-    """``DefVarsN3();``"""
-    name: Token = cursor.take()
-    for symbol in "();":
-        cursor.expect(symbol, f"write {name.text}();")
-    return syntax.AlgebraPragma(name.place, _ALGEBRAS[name.text], (0, 0, 0))
+def _appends(value: syntax.Expression) -> bool:
+    """Whether a value that stands alone is ``list << item``."""
+    while isinstance(value, syntax.Binary) and value.operator == "<<":
+        value = value.left
+        if isinstance(value, syntax.Name):
+            return True
+    return False
+
+
+def _alone(place: Place, mark: str, value: syntax.Expression) -> syntax.Assignment:
+    """A statement without a name; what it prints is an output by the name of its line."""
+    items: list[syntax.Expression] = []
+    if not mark and _appends(value):
+        while isinstance(value, syntax.Binary):
+            items.append(value.right)
+            value = value.left
+        assert isinstance(value, syntax.Name)
+        appended = syntax.Call(place, "<<", (value, *reversed(items)))
+        return syntax.Assignment(place, "", value.name, appended)
+    return syntax.Assignment(place, mark, f"line_{place.line}" if mark else "", value)
 
 
 MAX_ROUNDS = 1000
@@ -336,7 +453,7 @@ def parse_pragma(source: Source, token: Token) -> list[syntax.Pragma]:
 
     Raises ScriptError: an unknown pragma, or one that is not written as above.
     """
-    text = token.text.removeprefix("//").replace("\t", " ")
+    text = token.text.removeprefix("//").replace("\t", " ").replace("#spragma", "#pragma", 1)
     if text.startswith("#include"):
         kind, said = "import", text.removeprefix("#include").strip()
     else:
@@ -364,7 +481,7 @@ def _output(said: str, token: Token) -> list[syntax.Pragma]:
 
 
 def _return(said: str, token: Token) -> list[syntax.Pragma]:
-    names, *shaped = re.split(r"\s+typed\s+|\s+as\s+", said)
+    names, *shaped = re.split(r"\s+typed\s+|\s+as\s+|\s+(?=[A-Za-z_0-9]+\()", said)
     pragmas: list[syntax.Pragma] = [
         syntax.OutputPragma(token.place, name, ()) for name in _names(names)
     ]

@@ -58,7 +58,7 @@ class Binary:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Call:
-    """A function or macro with its arguments."""
+    """A function or macro with its arguments; without a name the first of them is called."""
 
     place: Place
     name: str
@@ -74,17 +74,46 @@ class Slice:
     blades: tuple[str, ...]
 
 
-Expression = Number | Name | Argument | Unary | Binary | Call | Slice
+@dataclass(frozen=True, eq=False, repr=False)
+class Text:
+    """``"words"``, in CLUCalc's scripts."""
+
+    place: Place
+    text: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ListOf:
+    """``[a, b]`` in CLUCalc's scripts."""
+
+    place: Place
+    items: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Skipped:
+    """A call of CLUCalc's that draws or sets up its window; `arguments` are those that it draws."""
+
+    place: Place
+    name: str
+    arguments: tuple[Expression, ...]
+
+
+Expression = Number | Name | Argument | Unary | Binary | Call | Slice | Text | ListOf | Skipped
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Assignment:
-    """``name = value;``, `mark` being ``?`` output, ``!`` evaluate, ``:`` draw, or empty."""
+    """``name = value;``, `mark` being ``?`` output, ``!`` evaluate, ``:`` draw, or empty.
+
+    Without a name the value is only computed, as of ``f(x);``; `refers`: it is ``name -> value;``.
+    """
 
     place: Place
     mark: str
     name: str
     value: Expression
+    refers: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -141,13 +170,13 @@ Step = Assignment | Mark | If | Loop | Break | Screen
 class Macro:
     """``name = { statements; expression }`` of the text `source`.
 
-    `arity` is the highest index of ``_P``.
+    `arity` is the highest index of ``_P``; one of CLUCalc's may end without a value.
     """
 
     place: Place
     name: str
     body: tuple[Step, ...]
-    value: Expression
+    value: Expression | None
     arity: int
     source: Source
 
@@ -245,7 +274,8 @@ Pragma = (
 class Script:
     """A parsed script: its statements and pragmas, each in the order of the text.
 
-    `folder` is where the files lie that it names, None if it may name none.
+    `folder` is where the files lie that it names, None if it may name none. `clucalc`: it has what
+    CLUCalc alone reads, so that CLUCalc's variables have their values.
 
     >>> from motorcade.ga.script import parse
     >>> [statement.name for statement in parse("a = x*e1; ?square = a*a;").statements]
@@ -256,6 +286,7 @@ class Script:
     statements: tuple[Statement, ...]
     pragmas: tuple[Pragma, ...]
     folder: Path | None = None
+    clucalc: bool = False
 
 
 def postorder(root: Expression) -> Iterator[Expression]:
@@ -276,7 +307,9 @@ def _operands(node: Expression) -> tuple[Expression, ...]:
         return node.left, node.right
     if isinstance(node, Unary | Slice):
         return (node.operand,)
-    return node.arguments if isinstance(node, Call) else ()
+    if isinstance(node, ListOf):
+        return node.items
+    return node.arguments if isinstance(node, Call | Skipped) else ()
 
 
 def expressions_of(steps: Sequence[Step]) -> Iterator[Expression]:

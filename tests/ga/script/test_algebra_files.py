@@ -275,4 +275,4 @@ def test_the_package_holds_a_file_for_each_algebra() -> None:
     folder = Path(algebras.__file__).parent
     found = {path.parent.name for path in folder.glob("*/definition.toml")}
     assert found == {definition.names[0] for definition in definitions().values()}
-    assert len(found) == 11
+    assert len(found) == 13
