@@ -212,7 +212,7 @@ def _registered_px(
         return {}
     seen, world_T_board = board_poses.track, recording.world_T_board
     return {
-        name: registration_px(path, seen, board, camera, world_T_board)
+        name: registration_px(path, seen, board, camera, world_T_board, board_poses.corners_m)
         for name, path in paths.items()
     }
 

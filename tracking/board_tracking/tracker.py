@@ -575,7 +575,12 @@ def guessed_turns(board: Board, board_track: BoardTrack) -> int:
 
 
 def registration_px(
-    path: Trajectory, board_track: BoardTrack, board: Board, camera: Camera, world_T_board: Motor
+    path: Trajectory,
+    board_track: BoardTrack,
+    board: Board,
+    camera: Camera,
+    world_T_board: Motor,
+    corners_m: FloatArray | None = None,
 ) -> FloatArray:
     """Root mean square distance between projected and found corners, a frame.
 
@@ -585,6 +590,7 @@ def registration_px(
         board: what they belong to.
         camera: who saw them, with its distortion.
         world_T_board: where the board is.
+        corners_m: ``(n, 3)`` its corners where the print is not flat (`bent_track`).
 
     Returns:
         ``(M,)`` pixels, M at most N; corners that fall behind the camera make a frame NaN.
@@ -600,11 +606,11 @@ def registration_px(
     >>> bool(errors_px.max() < 0.2)
     True
     """
-    errors_px = []
+    points_m, errors_px = board.points_m if corners_m is None else corners_m, []
     for seen in board_track.observations:
         if not path.time_ns[0] <= seen.time_ns <= path.time_ns[-1]:
             continue
         camera_T_board = path.motors_at(np.int64(seen.time_ns)).inverse() @ world_T_board
-        expected = camera.project(camera_T_board.apply(board.points_m[seen.ids]))
+        expected = camera.project(camera_T_board.apply(points_m[seen.ids]))
         errors_px.append(np.sqrt(np.mean(np.sum((expected - seen.corners_px) ** 2, axis=-1))))
     return np.array(errors_px, dtype=np.float64)

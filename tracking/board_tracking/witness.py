@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
+from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from skimage.registration import phase_cross_correlation
 
 from motorcade.ga import Motor
@@ -33,7 +34,11 @@ _ROUND_CORNERS = 1.1
 
 
 def pixel_offsets(
-    image: GrayImage, board: Board, camera: Camera, world_T_camera: Motor
+    image: GrayImage,
+    board: Board,
+    camera: Camera,
+    world_T_camera: Motor,
+    corners_m: FloatArray | None = None,
 ) -> FloatArray:
     """How far ``(n, 2)`` a print's image lies from where a pose draws it, right and down, pixels.
 
@@ -42,6 +47,7 @@ def pixel_offsets(
         board: what is printed; its frame is the world.
         camera: with the distortion of the image.
         world_T_camera: one pose, with the board before the camera.
+        corners_m: ``(n, 3)`` its corners where the print is not flat (`bent_track`).
 
     Returns:
         an offset for each quarter of the board, or for a marker alone, that lies in the image and
@@ -66,6 +72,8 @@ def pixel_offsets(
     px_per_m = float(np.sqrt(camera.fx * camera.fy) / np.linalg.norm(middle))
     scale = min(px_per_m, _LARGEST_PX / max(board.size_m))
     drawn, free, points = _drawing(board, float(f"{scale:.1g}"))  # coarse: drawn once for many
+    if corners_m is not None:
+        points = points + _heights_between(points, corners_m)[..., None] * (0.0, 0.0, 1.0)
     places = camera.project(camera_T_world.apply(points))
     limit = (camera.width - 1, camera.height - 1)
     inside = np.all((places >= 0.0) & (places <= limit), axis=-1)
@@ -85,6 +93,16 @@ def pixel_offsets(
     ]
     step_m = float(points[0, 1, 0] - points[0, 0, 0])
     return np.array(offsets).reshape(-1, 2) * step_m * px_per_m
+
+
+def _heights_between(points: FloatArray, corners_m: FloatArray) -> FloatArray:
+    """Heights of a bent print at places ``(*, 3)``: the bicubic surface nearest to its corners."""
+    middle, half = corners_m[:, :2].mean(axis=0), 0.5 * np.ptp(corners_m[:, :2], axis=0).max()
+    at, known = ((xyz[..., :2] - middle) / half for xyz in (points, corners_m))
+    terms = polyvander2d(known[:, 0], known[:, 1], (3, 3))
+    surface = np.linalg.lstsq(terms, corners_m[:, 2], rcond=1e-6)[0]
+    within = np.clip(at, known.min(axis=0), known.max(axis=0))  # a cubic runs away outside
+    return np.asarray(polyval2d(within[..., 0], within[..., 1], surface.reshape(4, 4)))
 
 
 def _offset(drawn: FloatArray, shown: FloatArray, free: FloatArray) -> FloatArray | None:

@@ -12,6 +12,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.tracking import Board, BoardTrack, Camera, SelfCalibrationError
 from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera, scatter_px
+from motorcade.tracking.board_tracking.flatness import PrintShape
 from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_error_px
@@ -75,7 +76,10 @@ def _shutter(recording: Recording, best: ChosenFit) -> tuple[AuditFinding, Float
 
 
 def pixels_finding(
-    frames: Iterable[tuple[GrayImage, Board, Motor]], camera: Camera, limit_px: float
+    frames: Iterable[tuple[GrayImage, Board, Motor]],
+    camera: Camera,
+    limit_px: float,
+    corners_m: FloatArray | None = None,
 ) -> AuditFinding:
     """How far what is drawn lies from the pixels, where no corner had a part in the pose.
 
@@ -83,9 +87,12 @@ def pixels_finding(
         frames: images, a print in each and its ``print_T_camera``.
         camera: whose images.
         limit_px: by how much a print may be off.
+        corners_m: ``(n, 3)`` its corners, if it is not flat.
     """
     name = "pixels"
-    offsets = [pixel_offsets(image, board, camera, pose) for image, board, pose in frames]
+    offsets = [
+        pixel_offsets(image, board, camera, pose, corners_m) for image, board, pose in frames
+    ]
     off = np.array([np.sqrt(np.mean(np.sum(one**2, axis=-1))) for one in offsets if len(one)])
     if not len(off):
         summary = "no print lies open enough for what is drawn to be compared with its pixels"
@@ -99,6 +106,28 @@ def pixels_finding(
     verdict: Verdict = "consistent" if beyond <= allowed else "doubtful"
     advice = "look at the board or markers as stated, at the camera, and at what stands there twice"
     return AuditFinding(name, verdict, median, "px", summary, advice)
+
+
+def flatness_finding(shape: PrintShape, board: Board, limit_px: float) -> AuditFinding:
+    """Whether the print lies in a plane, which is what is taken of it; one that is bent is used so.
+
+    Args:
+        shape: of the tracked print.
+        board: that was tracked.
+        limit_px: how far corners may scatter.
+    """
+    name, share = "flatness", 100.0 * shape.height_m / max(board.size_m)
+    if not shape.is_bent:
+        summary = f"the print is flat, as far as views of {shape.flat_px:.2f} px RMS tell"
+        return AuditFinding(name, "consistent", shape.flat_px, "px", summary)
+    summary = (
+        f"the print is not flat: from its lowest corner to its highest are {share:.1f} % of its "
+        f"width, which explains views that had no part in that to {shape.bent_px:.2f} px RMS, a "
+        f"plane to {shape.flat_px:.2f}; that was taken"
+    )
+    advice = "lay the print on something stiff and flat"
+    verdict: Verdict = "contradicted" if shape.flat_px > limit_px else "consistent"
+    return AuditFinding(name, verdict, shape.flat_px, "px", summary, advice)
 
 
 def _camera(

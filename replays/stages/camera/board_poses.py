@@ -16,7 +16,11 @@ from motorcade.ga.lookahead import ahead
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.board_audit import audited_board, pixels_finding
+from motorcade.replays.stages.camera.board_audit import (
+    audited_board,
+    flatness_finding,
+    pixels_finding,
+)
 from motorcade.replays.stages.camera.offered import camera_of, require_images, spread_frames
 from motorcade.replays.stages.values.camera_poses import BoardPoses
 from motorcade.tracking import (
@@ -29,6 +33,7 @@ from motorcade.tracking import (
     track_board,
 )
 from motorcade.tracking.audit import AuditFinding, scatter_px
+from motorcade.tracking.board_tracking.flatness import bent_track
 from motorcade.tracking.board_tracking.tracker import guessed_turns, with_least_noise
 from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.checks import GrayImage
@@ -130,10 +135,14 @@ def board_poses(recording: Recording) -> BoardPoses:
         tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
     seen = [sighted for sighted in rolled.observations if sighted.time_ns in shown]
     noise_px = _noise_px(board, [shown[sighted.time_ns] for sighted in seen], seen)
+    limit_px = scatter_px(camera, noise_px)
+    tracked, corners_m, shape = bent_track(tracked, board.points_m, camera)
+    flatness = () if shape is None else (flatness_finding(shape, board, limit_px),)
     path = tracked.measurements.trajectory
     drawn = ((shown[at.time_ns], board, path.motors_at(np.int64(at.time_ns))) for at in seen)
-    pixels = pixels_finding(drawn, camera, scatter_px(camera, noise_px))
+    pixels = pixels_finding(drawn, camera, limit_px, corners_m)
     seconds = time.perf_counter() - start
+    audit = (*audit, *flatness)
     warn_of_contradictions(audit)
     audit = (pixels, *before, *audit, *_guessed_turns(board, tracked))
     on_board = with_least_noise(tracked, noise_px).measurements
@@ -149,4 +158,5 @@ def board_poses(recording: Recording) -> BoardPoses:
         seconds=seconds,
         corner_px=noise_px,
         track=tracked,
+        corners_m=corners_m,
     )

@@ -277,9 +277,7 @@ def _seen_markers(recording: Recording, refine: Refine) -> _SeenMarkers:
     return _SeenMarkers({_ONLY: stream}, side_m, {_ONLY: Motor.identity()}, posed, twice)
 
 
-def _of_camera(
-    mapped: MappedRecording, camera: str, scale_sigma: float = 0.0
-) -> PoseMeasurements:
+def _of_camera(mapped: MappedRecording, camera: str, scale_sigma: float = 0.0) -> PoseMeasurements:
     """The rig's path and covariance at one of its cameras, with that of the map's scale."""
     rig_T_camera = mapped.rig_T_camera[camera]
     adjoint = rig_T_camera.inverse().adjoint()

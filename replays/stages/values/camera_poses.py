@@ -99,9 +99,15 @@ class CameraPoses:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoardPoses(CameraPoses):
-    """Poses by a board; `track` holds the corners and both planar candidates of every frame."""
+    """Poses by a board.
+
+    Fields:
+        track: the corners and both planar candidates of every frame.
+        corners_m: ``(n, 3)`` where the board's corners are, which paper that curls does not say.
+    """
 
     track: BoardTrack
+    corners_m: FloatArray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

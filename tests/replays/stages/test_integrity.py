@@ -82,7 +82,8 @@ def by_board(found: PoseMeasurements, truth: Motor, rng: np.random.Generator) ->
     errors = np.full(len(found), CORNER_PX)
     states = np.full(len(found), "tracked")
     track = BoardTrack(time_ns, states, tuple(observations), found, errors)
-    return BoardPoses(found, time_ns, errors, "board", "as given", track=track)
+    corners_m = BOARD.points_m
+    return BoardPoses(found, time_ns, errors, "board", "as given", track=track, corners_m=corners_m)
 
 
 def judged(one: Given, **knobs: Any) -> tuple[Integrity, Integrity]:
@@ -280,7 +281,8 @@ def scaled(one: Given, factor: float) -> Given:
         spread @ found.covariance @ spread,
     )
     board = replace(BOARD, marker_m=factor * BOARD.marker_m, gap_m=factor * BOARD.gap_m)
-    return Given(replace(one.recording, board=board), replace(one.poses, measurements=measurements))
+    poses = replace(one.poses, measurements=measurements, corners_m=board.points_m)
+    return Given(replace(one.recording, board=board), poses)
 
 
 def test_a_wrong_size_of_the_board_is_not_seen_but_by_an_imu() -> None:

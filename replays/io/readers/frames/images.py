@@ -172,8 +172,8 @@ def read_image_bytes(
     if size is not None and size != (width, height):
         usual = f"{size_advice(size, (width, height))}, or leave the image out"
         problem = f"expected {size[0]} x {size[1]} pixels as the camera has, got {width} x {height}"
-        fault = refusal(path, problem, field=field, advice=advice or usual)
-        raise fault if advice else DamagedError(str(fault))
+        mismatch = refusal(path, problem, field=field, advice=advice or usual)
+        raise mismatch if advice else DamagedError(str(mismatch))
     return data
 
 
