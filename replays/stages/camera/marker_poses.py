@@ -33,7 +33,7 @@ from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.families import border_share
 from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
-from motorcade.tracking.markers.mapping.moving import moving_markers, without
+from motorcade.tracking.markers.mapping.estimate import moving_markers, without
 from motorcade.tracking.markers.marker_map import MarkerMap
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,

@@ -13,8 +13,13 @@ import pytest
 
 from motorcade.tracking import CharucoBoard, MarkerGrid, SingleMarker
 from motorcade.tracking.markers import detect_markers
-from motorcade.tracking.markers.apriltag_codes import NEWER_FAMILIES, newer_codes
-from motorcade.tracking.markers.families import family_size, layout, marker_cells
+from motorcade.tracking.markers.families import (
+    NEWER_FAMILIES,
+    family_size,
+    layout,
+    marker_cells,
+    newer_codes,
+)
 from motorcade.tracking.markers.native._quads import Words
 from tests.bench.tracking.tag_markers import apriltag_detector
 

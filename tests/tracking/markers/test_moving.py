@@ -9,7 +9,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.tracking import Camera, map_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.families import marker_points_m
-from motorcade.tracking.markers.mapping.moving import moving_markers
+from motorcade.tracking.markers.mapping.estimate import moving_markers
 
 CAMERA = Camera(640, 480, 520.0, 520.0, 318.0, 242.0)
 SIDE_M, FRAMES, NOISE_PX = 0.08, 20, 0.15

@@ -24,7 +24,7 @@ from motorcade.tracking.markers.scenes import (
     StatedPose,
     map_scene,
 )
-from motorcade.tracking.markers.scenes.audit import hand_eye, odometry_finding
+from motorcade.tracking.markers.scenes.estimate import hand_eye, odometry_finding
 
 CAMERA = Camera(640, 480, 420.0, 420.0, 319.5, 239.5)
 FRAMES, RATE_HZ = 60, 10.0

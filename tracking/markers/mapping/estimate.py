@@ -6,11 +6,18 @@ An adjustment starts from pairs of markers seen together. Markers seen in one fr
 other as their chosen poses say. Each pair's motion is the one that most of its frames agree with;
 the pairs form a graph, and the tree of its surest pairs (Prim 1957) hangs all markers on the one
 seen most.
+
+Markers that do not stand still beside the others, found by what the others see without them.
+
+One marker that moves bends the map and the path, and its own corners need not be missed the most.
+So where a map misses corners by more than they can scatter, each marker in turn is left out, and
+the map made anew of a few frames: the one without which all others agree best is left aside, until
+the rest do agree. Where no such rest is left, nothing is said.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -298,3 +305,101 @@ def _frame_error_px(result: AdjustedRig) -> FloatArray:
     squares = np.bincount(result.seen.frame, result.error_px**2, minlength=count)
     seen = np.bincount(result.seen.frame, minlength=count)
     return np.asarray(np.sqrt(squares / np.maximum(seen, 1)))
+
+
+Streams = Mapping[str, CornerStream]
+Remap = Callable[[Streams], MappedRecording]
+_FRAMES = 40
+"""That trial maps are made of, evenly over the recording."""
+_CANDIDATES = 8
+"""Markers whose corners are missed the most, that are tried in turn."""
+_SHARE = 0.9
+"""Of the frames, that must agree."""
+
+
+def moving_markers(
+    streams: Streams,
+    mapped: MappedRecording,
+    remap: Remap,
+    limit_px: float,
+) -> tuple[int, ...]:
+    """Ids of the markers without which all others stand still; none where all do, or none would.
+
+    Args:
+        streams: what was seen, by camera.
+        mapped: the map of all of it.
+        remap: maps part of it.
+        limit_px: by how much corners may be missed, root mean square over a frame.
+
+    Breaks down where more than half of the markers move, or half of them together.
+    """
+    if _missed_px(mapped.frame_error_px) <= limit_px:
+        return ()
+    few = {name: _thinned(stream) for name, stream in streams.items()}
+    left, moving = mapped.marker_map.marker_ids.tolist(), list[int]()
+    most = min(len(left) // 2, len(left) - 2)
+    while len(moving) < most:
+        others = without(few, moving)
+        errors = {
+            tried: _trial_px(without(others, [tried]), remap) for tried in _worst(others, remap)
+        }
+        best = min(errors, key=lambda tried: errors[tried], default=None)
+        if best is None:
+            return ()
+        moving.append(best)
+        if errors[best] <= limit_px:
+            aside = without(few, [marker for marker in left if marker not in moving])
+            half = 2 * len(moving) == len(left)
+            return () if half and _trial_px(aside, remap) <= limit_px else tuple(sorted(moving))
+    return ()
+
+
+def without(streams: Streams, markers: Sequence[int]) -> dict[str, CornerStream]:
+    """What was seen of other markers."""
+    return {
+        name: stream.where(~np.isin(stream.marker_ids, np.array(markers, dtype=np.int64)))
+        for name, stream in streams.items()
+    }
+
+
+def _thinned(stream: CornerStream) -> CornerStream:
+    """Of the frames that show markers, some, evenly spread."""
+    frames = np.unique(stream.frame)
+    chosen = frames[np.unique(np.linspace(0, len(frames) - 1, _FRAMES).astype(int))]
+    return stream.where(np.isin(stream.frame, chosen)) if len(frames) else stream
+
+
+def _worst(seen: Streams, remap: Remap) -> list[int]:
+    """Markers of the map whose corners are missed the most."""
+    try:
+        mapped = remap(seen)
+    except TrackingError:
+        return []
+    known, path = mapped.marker_map, mapped.trajectory
+    missed: dict[int, list[float]] = {marker: [] for marker in known.marker_ids.tolist()}
+    if len(missed) <= _CANDIDATES:
+        return sorted(missed)
+    for name, stream in seen.items():
+        rows = np.searchsorted(path.time_ns, stream.time_ns[stream.frame])
+        rows = np.minimum(rows, len(path) - 1)
+        world_T_camera = path.motors[rows] @ mapped.rig_T_camera[name]
+        places = np.searchsorted(known.marker_ids, stream.marker_ids)
+        points = known.points_m.reshape(-1, 4, 3)[np.minimum(places, len(missed) - 1)]
+        px = stream.camera.project(world_T_camera.inverse()[:, None].apply(points))
+        off = np.linalg.norm(px - stream.corners_px, axis=-1).mean(axis=-1)
+        for marker, error in zip(stream.marker_ids.tolist(), off.tolist(), strict=True):
+            if marker in missed and np.isfinite(error):
+                missed[marker].append(error)
+    order = sorted(missed, key=lambda marker: -float(np.median(missed[marker] or [0.0])))
+    return order[:_CANDIDATES]
+
+
+def _trial_px(seen: Streams, remap: Remap) -> float:
+    try:
+        return _missed_px(remap(seen).frame_error_px)
+    except TrackingError:
+        return np.inf
+
+
+def _missed_px(frame_error_px: FloatArray) -> float:
+    return float(np.quantile(frame_error_px, _SHARE)) if len(frame_error_px) else np.inf

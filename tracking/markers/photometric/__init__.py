@@ -1,13 +1,11 @@
 """Poses of markers refined on their whole print, both candidates at once, by torch and kornia."""
 
-from motorcade.tracking.markers.photometric.observations import (
-    RefinedFrame,
-    joined_frames,
-    refine_frame,
-)
 from motorcade.tracking.markers.photometric.refine import (
     PhotometricPoses,
     PhotometricUnavailable,
+    RefinedFrame,
+    joined_frames,
+    refine_frame,
     refine_photometric,
 )
 
