@@ -9,9 +9,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from motorcade.ga.codegen.passes.rows import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import compile_script
-from motorcade.ga.codegen.targets import c_batch
+from motorcade.ga.codegen.targets import c, c_batch
 from motorcade.ga.script import parse
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc here")
@@ -119,3 +120,18 @@ def test_loops_of_functions_become_simd_code(tmp_path: Path) -> None:
 
 def _told(command: list[str]) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stderr
+
+
+def test_rows_of_plain_c_are_unlike_in_plain_arithmetic_alone() -> None:
+    plain = compile_script(parse("?r = (a*e1 + b*e2 + c*e3)*(d*e1 + f*e2 + g*e3);"), "plain").tape
+    assert with_unlike_rows(plain) is not plain
+    angle = compile_script(parse("?r = atan2(a*b + c*d + f*g, a)*(a + b + c)*e1;"), "angle")
+    assert with_unlike_rows(angle.tape) is angle.tape
+
+
+def test_plain_c_carries_the_polynomials_of_inverse_tangents_and_keeps_sines_of_any_angle() -> None:
+    program = compile_script(parse("?r = atan2(sin(a), b);"), "turn")
+    text = c.write(program, DOUBLE)["turn.c"]
+    assert "motorcade_atan2(sin(a), b)" in text
+    assert text.count("static inline double motorcade_atan2(") == 1
+    assert "motorcade_sin(" not in text
