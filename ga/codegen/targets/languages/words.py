@@ -1,7 +1,6 @@
 """Names that Rust, JavaScript, WGSL, Julia and C++ keep for themselves, or that code calls.
 
-The lists follow the references of the languages: Rust's keywords, ECMAScript's reserved words of
-strict code, WGSL's keywords and reserved words, Julia's keywords, C++ as for C.
+The words themselves are in ``reserved.toml``.
 
 Tapes for languages in which true is no number: conditions and numbers are kept apart.
 """
@@ -11,77 +10,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape
-from motorcade.ga.codegen.targets.names import C_NAMES, Reserved
+from motorcade.ga.codegen.targets.names import C_NAMES, Reserved, reserved_words
 from motorcade.ga.codegen.targets.shared.text import SAME_NAMES
 
 _FUNCTIONS = frozenset(SAME_NAMES) | {"abs", "min", "max"}
 
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
 # Parameters are patterns in Rust: those named as a constructor of its prelude would match it.
-RUST_NAMES = Reserved(
-    "Rust",
-    _words(
-        """
-        _ Self abstract as async await become box break const continue crate do dyn else enum
-        extern false final fn for gen if impl in let loop macro match mod move mut override priv
-        pub ref return self static struct super trait true try type typeof unsafe unsized use
-        virtual where while yield None Some Ok Err
-        """
-    ),
-    frozenset({"main"}),
+RUST_NAMES = Reserved("Rust", reserved_words("rust"), frozenset({"main"}))
+JAVASCRIPT_NAMES = Reserved("JavaScript", reserved_words("javascript"))
+JULIA_NAMES = Reserved("Julia", _FUNCTIONS | reserved_words("julia"))
+WGSL_NAMES = Reserved(
+    "WGSL", _FUNCTIONS | reserved_words("wgsl"), frozenset({"main"}), underscores=True
 )
-
-JAVASCRIPT_NAMES = Reserved(
-    "JavaScript",
-    _words(
-        """
-        arguments await break case catch class const continue debugger default delete do else enum
-        eval export extends false finally for function if implements import in instanceof interface
-        let new null package private protected public return static super switch this throw true
-        try typeof var void while with yield Infinity Math NaN undefined
-        """
-    ),
-)
-
-JULIA_NAMES = Reserved(
-    "Julia",
-    _FUNCTIONS
-    | _words(
-        """
-        abstract baremodule begin break catch ccall cglobal const continue do else elseif end export
-        false finally for function global if ifelse import in isa let local macro module mutable new
-        oftype outer primitive promote public quote return struct true try type using where while
-        zero float NaN
-        """
-    ),
-)
-
-_WGSL_WORDS = _words(
-    """
-    _ alias break case const const_assert continue continuing default diagnostic discard else enable
-    false fn for if let loop override requires return struct switch true var while
-    NULL Self abstract active alignas alignof as asm asm_fragment async attribute auto await become
-    cast catch class co_await co_return co_yield coherent column_major common compile
-    compile_fragment concept const_cast consteval constexpr constinit crate debugger decltype delete
-    demote demote_to_helper do dynamic_cast enum explicit export extends extern external
-    fallthrough filter final finally friend from fxgroup get goto groupshared highp impl implements
-    import inline instanceof interface layout lowp macro macro_rules match mediump meta mod module
-    move mut mutable namespace new nil noexcept noinline nointerpolation non_coherent noncoherent
-    noperspective null nullptr of operator package packoffset partition pass patch pixelfragment
-    precise precision premerge priv protected pub public readonly ref regardless register
-    reinterpret_cast require resource restrict self set shared sizeof smooth snorm static
-    static_assert static_cast std subroutine super target template this thread_local throw trait try
-    type typedef typeid typename typeof union unless unorm unsafe unsized use using varying virtual
-    volatile wgsl where with writeonly yield
-    array bool f32 ptr function select
-    """
-)
-WGSL_NAMES = Reserved("WGSL", _FUNCTIONS | _WGSL_WORDS, frozenset({"main"}), underscores=True)
-
 CPP_NAMES = replace(C_NAMES, words=C_NAMES.words | {"std"})
 
 
