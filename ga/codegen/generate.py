@@ -8,7 +8,7 @@ from pathlib import Path
 
 from motorcade.ga.codegen.precision import PRECISIONS, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.strategies import product, table, table_code
+from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import RefusedName, file_identifier
 from motorcade.ga.files import read_bounded
@@ -25,7 +25,7 @@ WriteCalls = Callable[[Script, Program, Precision | None], dict[str, str]]
 # How else than as the program that `TARGETS` write a script becomes C.
 STRATEGIES: dict[str, WriteCalls] = {
     "table": table.write,
-    "table-code": table_code.write,
+    "table-code": table.write_code,
     "product": product.write,
 }
 

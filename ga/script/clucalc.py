@@ -20,9 +20,8 @@ import numpy as np
 from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.functions import elementary
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script.functions import FUNCTIONS, scalar_of
-from motorcade.ga.script.operators import computed
-from motorcade.ga.script.operators import operated as operated_on_multivectors
+from motorcade.ga.script.functions import FUNCTIONS, computed, scalar_of
+from motorcade.ga.script.functions import operated as operated_on_multivectors
 from motorcade.ga.script.reading import syntax
 
 MAX_ROUNDS = 10_000

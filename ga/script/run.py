@@ -25,14 +25,18 @@ from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script import clucalc
 from motorcade.ga.script.algebras import AlgebraDefinition, definitions
 from motorcade.ga.script.errors import Place, ScriptError, Source
-from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function, is_finite, scalar_of
-from motorcade.ga.script.operators import (
+from motorcade.ga.script.functions import (
+    ANY_CASE,
+    FUNCTIONS,
+    Function,
     chosen,
     computed,
     decided,
+    is_finite,
     operand_count,
     operated,
     rows_of,
+    scalar_of,
 )
 from motorcade.ga.script.reading import syntax
 

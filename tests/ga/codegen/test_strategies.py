@@ -4,8 +4,8 @@ import ctypes
 import re
 import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.strategies import product, table, table_code
+from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c
 from motorcade.ga.script import Script, evaluate, parse
 from motorcade.ga.script.reading.syntax import RangePragma
@@ -36,7 +36,12 @@ SNIPPETS = {
     "names": "t0 = x*e1; ?v1 = t0*e2 + s0*in; ?names_mv = names_steps*t0; ?x = in + t1;",
     "nested": "?d = Dual(VecN3(x, y, z)); ?s = SphereN3(x, y, z, 2)/normalize(e1 + y*e2);",
 }
-STRATEGIES = {"table": table, "table-code": table_code, "product": product}
+Write = Callable[..., dict[str, str]]
+STRATEGIES: dict[str, Write] = {
+    "table": table.write,
+    "table-code": table.write_code,
+    "product": product.write,
+}
 
 
 def texts() -> dict[str, str]:
@@ -54,7 +59,7 @@ def inputs(
 
 
 def computed(
-    strategy: ModuleType,
+    strategy: Write,
     script: Script,
     program: Program,
     given: dict[str, np.ndarray],
@@ -62,7 +67,7 @@ def computed(
     precision: Precision = DOUBLE,
 ) -> dict[str, np.ndarray]:
     """The outputs of the compiled code, each of shape (rows, blades)."""
-    for file, text in strategy.write(script, program, precision).items():
+    for file, text in strategy(script, program, precision).items():
         (folder / file).write_text(text)
     library = folder / f"{program.name}.so"
     source = folder / f"{program.name}.c"
@@ -87,7 +92,7 @@ def computed(
 @pytest.mark.parametrize("strategy", STRATEGIES.values(), ids=STRATEGIES)
 @pytest.mark.parametrize("name", [*EXAMPLES, *SNIPPETS])
 def test_compiled_calls_compute_what_the_script_says(
-    name: str, strategy: ModuleType, rng: np.random.Generator, tmp_path: Path
+    name: str, strategy: Write, rng: np.random.Generator, tmp_path: Path
 ) -> None:
     script = parse(texts()[name])
     program = compile_script(script, name)
@@ -104,7 +109,7 @@ def test_compiled_calls_compute_what_the_script_says(
 @pytest.mark.skipif(COMPILER is None, reason="no C compiler")
 @pytest.mark.parametrize("strategy", STRATEGIES.values(), ids=STRATEGIES)
 def test_single_precision_is_written_in_floats(
-    strategy: ModuleType, rng: np.random.Generator, tmp_path: Path
+    strategy: Write, rng: np.random.Generator, tmp_path: Path
 ) -> None:
     script = parse(texts()["table2"])
     program = compile_script(script, "table2")
@@ -127,7 +132,7 @@ def test_a_table_is_interpreted_once_for_each_product() -> None:
 
 def test_a_table_as_code_has_one_function_for_each_kind_of_product() -> None:
     script = parse("a = x*e1 + y*e2; b = a*a*a; ?c = b*b + (a^b);")
-    text = table_code.write(script, compile_script(script, "script"), None)["script.c"]
+    text = table.write_code(script, compile_script(script, "script"), None)["script.c"]
     assert text.count("script_geometric(&") == 5
     assert text.count("static script_mv script_geometric(") == 1
     assert text.count("static script_mv script_outer(") == 1
@@ -149,7 +154,7 @@ def test_the_page_on_strategies_shows_what_they_write() -> None:
     shown = re.findall(r"```c\n(.*?)```", page, re.DOTALL)
     script = parse(clu)
     program = compile_script(script, "square")
-    written = [strategy.write(script, program, None) for strategy in (table, table_code, product)]
+    written = [write(script, program, None) for write in STRATEGIES.values()]
     written.append(c.write(program, None))
     assert len(shown) == len(written)
     for snippet, files in zip(shown, written, strict=True):

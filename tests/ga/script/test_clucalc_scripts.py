@@ -1,4 +1,4 @@
-"""Scripts in CLUCalc's own style, as its manual writes them: values by hand, refusals by the word."""
+"""Scripts in CLUCalc's style, as its manual writes them: values by hand, refusals by the word."""
 
 from __future__ import annotations
 

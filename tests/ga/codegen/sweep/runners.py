@@ -16,7 +16,7 @@ import numpy as np
 
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.strategies import table_code
+from motorcade.ga.codegen.strategies import table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.notation import name_text
 from tests.ga.codegen.targets.languages.test_latex import read as read_latex
@@ -171,7 +171,7 @@ def parsed(target: str) -> Run:
 
 
 def _table_code(entry: Prepared) -> dict[str, str]:
-    return table_code.write(entry.case.script, entry.program, DOUBLE)
+    return table.write_code(entry.case.script, entry.program, DOUBLE)
 
 
 WAYS: dict[str, Run] = {
