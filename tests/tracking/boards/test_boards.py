@@ -262,3 +262,25 @@ def test_tags_of_the_recorded_rotations_are_found(data_dir) -> None:
     seen = [tag.detect(cv2.imread(str(image), cv2.IMREAD_GRAYSCALE), camera) for image in images]
     assert len(images) == 15
     assert sum(one is not None for one in seen) >= 14
+
+
+@pytest.mark.parametrize(
+    ("board", "blur_px"),
+    [
+        (Checkerboard(7, 5, 0.03), 7.5),
+        (CharucoBoard("aruco_5x5_50", 7, 5, 0.03, 0.015), 2.5),
+        (SingleMarker("tag36h11", 7, 0.1), 3.0),
+    ],
+)
+def test_corners_stay_where_they_are_as_blur_grows(board: Board, blur_px: float) -> None:
+    """Blur of a quarter of a square, and of a quarter of a marker's border."""
+    drawn, origin = board.draw(pixels_per_m=1000.0)
+    turned = np.array([[0.98, 0.15, 30.0], [-0.15, 0.98, 50.0]])
+    sharp = cv2.warpAffine(drawn, turned, (400, 300), borderValue=150.0)
+    true_px = board.points_m[:, :2] * [1000.0, -1000.0] + origin
+    true_px = true_px @ turned[:, :2].T + turned[:, 2]
+    start_px = true_px + np.random.default_rng(2).uniform(-1.5, 1.5, true_px.shape)
+    start = BoardCorners(np.arange(len(true_px)), start_px, board.points_m)
+    refined = board.refine_corners(cv2.GaussianBlur(sharp, (0, 0), blur_px), start)
+    assert len(refined) == len(true_px)
+    assert np.linalg.norm(refined.corners_px - true_px, axis=-1).max() < 0.1
