@@ -121,11 +121,18 @@ def layout_fits(
     >>> fit.good, round(float(fit.side), 3), fit.turned_deg
     (True, 0.667, 0)
     """
-    guess, telling = _Guess.of(board), _telling(seen)
+    guess = _Guess.of(board)
+    telling = [one for one in _telling(seen) if _spanning(guess.cells(one.ids))]
     if camera is not None:
         telling = [one.undistorted(camera) for one in telling]
     fits = [_fit(guess, one) for one in telling]
     return [fit for fit in fits if np.isfinite(fit.side_px) and fit.side_px > 0.0]
+
+
+def _spanning(cells: FloatArray) -> bool:
+    """Whether cells ``(m, 2)`` give a homography: no line holds all of them but one."""
+    rests = (np.delete(cells, row, axis=0) for row in range(len(cells)))
+    return all(np.linalg.matrix_rank(rest - rest[0]) == 2 for rest in rests)
 
 
 def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | CharucoBoard | None:

@@ -18,7 +18,7 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
-from motorcade.tracking.targets import compare_layout, find_target
+from motorcade.tracking.targets import SeenMarkers, compare_layout, find_target, layout_fits
 from motorcade.tracking.targets.stated import name_target
 
 GRID = MarkerGrid("tag36h11", 4, 3, 0.06, 0.018, first_id=5)
@@ -87,6 +87,13 @@ def test_a_board_whose_markers_stand_there_twice_is_doubted(board: MarkerGrid) -
         finding = compare_layout(board, shown)
         assert (finding is not None and not finding.passed) == doubted
         assert not doubted or "stand twice in images" in finding.sentence  # type: ignore[union-attr]
+
+
+def test_four_markers_of_which_three_stand_on_a_line_deny_no_layout() -> None:
+    board = MarkerGrid("tag36h11", 3, 3, 0.05, 0.014)
+    corners = 900.0 * board.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
+    row = [0, 3, 6, 7]
+    assert layout_fits(board, [SeenMarkers(np.array(row), corners[row])]) == []
 
 
 def test_of_few_markers_nothing_is_told() -> None:
