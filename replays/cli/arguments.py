@@ -47,7 +47,7 @@ def add_file(parser: Options, name: str, what: str, metavar: str = "FILE", **opt
 
 
 def add_number(
-    parser: Options, name: str, what: str, default: float | None = None, **options: Any
+    parser: Options, name: str, what: str, default: object = None, **options: Any
 ) -> None:
     """A number with its usual value."""
     parser.add_argument(name, type=float, default=default, help=what, **options)

@@ -232,6 +232,7 @@ def add_allan(commands: Commands) -> None:
 def allan(arguments: argparse.Namespace) -> None:
     """Read the stream, estimate, print; draw where asked to."""
     from motorcade.fusion.imu import estimate_noise
+    from motorcade.replays.io.imu import kalibr_noise
     from motorcade.replays.io.readers.readings import read_imu_of
 
     stream = read_imu_of(arguments.stream)
@@ -255,22 +256,14 @@ def allan(arguments: argparse.Namespace) -> None:
             )
             print(f"{sensor:>6} {name}" + "".join(f"{value:>26}" for value in values))
     print("as Kalibr and EuRoC name them:")
-    for name, value in _kalibr(noise).items():
+    for name, value in kalibr_noise(noise.noise).items():
         print(f"{name}: {value:.6e}")
 
 
-def _kalibr(stream_noise: StreamNoise) -> dict[str, float]:
-    noise = stream_noise.noise
-    return {
-        "gyroscope_noise_density": noise.gyro_density_rad_s_rthz,
-        "gyroscope_random_walk": noise.gyro_walk_rad_s2_rthz,
-        "accelerometer_noise_density": noise.accel_density_m_s2_rthz,
-        "accelerometer_random_walk": noise.accel_walk_m_s3_rthz,
-    }
-
-
 def _as_dict(stream_noise: StreamNoise) -> dict[str, Any]:
-    described: dict[str, Any] = dict(_kalibr(stream_noise))
+    from motorcade.replays.io.imu import kalibr_noise
+
+    described: dict[str, Any] = dict(kalibr_noise(stream_noise.noise))
     for sensor, axes, units in (
         ("gyro", stream_noise.gyro, ("rad_s_rthz", "rad_s2_rthz", "rad_s")),
         ("accel", stream_noise.accel, ("m_s2_rthz", "m_s3_rthz", "m_s2")),

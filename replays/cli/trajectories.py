@@ -307,10 +307,10 @@ def trajectory(arguments: argparse.Namespace) -> None:
     """Read, edit; write, plot, print the figures."""
     from motorcade.replays.io.files import write_bytes
     from motorcade.replays.tasks.editing import (
-        TrajectorySummary,
         edit_trajectories,
         output_files,
         refuse_inputs,
+        trajectory_figures,
         write_trajectories,
     )
 
@@ -321,7 +321,7 @@ def trajectory(arguments: argparse.Namespace) -> None:
     trajectories = _read(arguments)
     reference = None if arguments.reference is None else _read_one(arguments.reference, arguments)
     edited, reference = edit_trajectories(trajectories, _edits(arguments), reference)
-    figures = {name: TrajectorySummary.of(one).as_dict() for name, one in edited.items()}
+    figures = {name: trajectory_figures(one) for name, one in edited.items()}
     if arguments.output is not None:
         formats = dict.fromkeys(edited, arguments.format)
         files = output_files(formats, arguments.output)

@@ -75,6 +75,30 @@ nanosecond apart, where second differences, and so jitter, mean nothing."""
 
 
 @dataclass(frozen=True)
+class DegradedMotion:
+    """A true motion, degraded once: draws depend on the seed and the names alone.
+
+    Every method sees the same poses so, whatever else is run. `recorded` is of true paths of files.
+    """
+
+    motion: str
+    degradation: str
+    seed: int
+    rate_hz: float
+    duration_s: float
+    recorded: RecordedMotion | None = None
+
+    def drawn(self) -> tuple[Trajectory, PathEvaluator]:
+        """The degraded poses, and the evaluator of their stamps."""
+        truth = truth_of(self.motion, self.duration_s, self.recorded)
+        names = (zlib.crc32(name.encode()) for name in (self.motion, self.degradation))
+        drawn = np.random.default_rng([self.seed, *names])
+        clean = truth.sampled(self.rate_hz, self.duration_s)
+        degraded = degradation_named(self.degradation, truth.has_scale).apply(clean, drawn)
+        return degraded, PathEvaluator(degraded.time_ns, truth)
+
+
+@dataclass(frozen=True)
 class ComparisonPlan:
     """A comparison; see the module.
 
@@ -126,6 +150,11 @@ class ComparisonPlan:
     def recording(self, motion: str) -> RecordedMotion | None:
         """The file of a motion; None of those with a formula."""
         return next((one for one in self.recorded if one.name == motion), None)
+
+    def inputs(self, motion: str, degradation: str, seed: int) -> DegradedMotion:
+        """What every method sees in one place with one seed."""
+        known = self.recording(motion)
+        return DegradedMotion(motion, degradation, seed, self.rate_hz, self.duration_s, known)
 
     def pairs(self) -> list[tuple[str, str]]:
         """Every method in every representation, and `auto` in its own."""
@@ -268,40 +297,13 @@ class MeasuredRow:
 class ComparisonCell:
     """What is to be smoothed and measured; rows are the raw poses' and one for each setting."""
 
-    motion: str
-    degradation: str
-    seed: int
-    rate_hz: float
-    duration_s: float
+    inputs: DegradedMotion
     settings: tuple[Setting, ...]
-    recorded: RecordedMotion | None = None
 
 
 def run_cell(cell: ComparisonCell) -> tuple[MeasuredRow, ...]:
     """The rows of a cell."""
-    degraded, evaluator = inputs_of(
-        cell.motion, cell.degradation, cell.seed, cell.rate_hz, cell.duration_s, cell.recorded
-    )
-    return tuple(measured_rows(degraded, evaluator, cell.settings))
-
-
-def inputs_of(
-    motion: str,
-    degradation: str,
-    seed: int,
-    rate_hz: float,
-    duration_s: float,
-    recorded: RecordedMotion | None = None,
-) -> tuple[Trajectory, PathEvaluator]:
-    """The degraded poses of a cell, and the evaluator of their stamps.
-
-    Draws depend on the seed and the names alone: every method sees the same poses.
-    """
-    truth = truth_of(motion, duration_s, recorded)
-    drawn = np.random.default_rng([seed, _number(motion), _number(degradation)])
-    clean = truth.sampled(rate_hz, duration_s)
-    degraded = degradation_named(degradation, truth.has_scale).apply(clean, drawn)
-    return degraded, PathEvaluator(degraded.time_ns, truth)
+    return tuple(measured_rows(*cell.inputs.drawn(), cell.settings))
 
 
 def measured_rows(
@@ -334,7 +336,3 @@ def _rounded_metrics(values: FloatArray) -> dict[str, float | None]:
         name: float(f"{value:.{_DIGITS}g}") if np.isfinite(value) else None
         for name, value in zip(METRICS, values, strict=True)
     }
-
-
-def _number(name: str) -> int:
-    return zlib.crc32(name.encode())

@@ -44,7 +44,6 @@ from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.ga import Motor, Trajectory, blend
 from motorcade.replays.comparison.evaluator import (
     PathEvaluator,
-    RecordedMotion,
     RecordedTruth,
     digest_of,
 )
@@ -52,9 +51,9 @@ from motorcade.replays.comparison.plan import (
     COMPARED,
     ComparisonCell,
     ComparisonPlan,
+    DegradedMotion,
     MeasuredRow,
     Setting,
-    inputs_of,
     measured_rows,
     run_cell,
     why,
@@ -83,16 +82,9 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
     cells = list(_cells(plan, tuned))
     measured = finished(run_cell, {cell: asdict(cell) for cell in cells}, out, executor, "cells")
     samples = tuple(Sample.of(cell, rows) for cell, rows in measured.items())
+    first = plan.motions[0], plan.degradations[0]
     traits = [
-        Trait(
-            plan.motions[0],
-            plan.degradations[0],
-            plan.tuning_seeds[0],
-            plan.rate_hz,
-            plan.duration_s,
-            tuned[plan.motions[0], plan.degradations[0], *pair].setting,
-            plan.recording(plan.motions[0]),
-        )
+        Trait(plan.inputs(*first, plan.tuning_seeds[0]), tuned[*first, *pair].setting)
         for pair in plan.pairs()
     ]
     # Alone, one after another: they are timed.
@@ -108,15 +100,7 @@ def _cells(
         for degradation in plan.degradations:
             settings = tuple(tuned[motion, degradation, *pair].setting for pair in plan.pairs())
             for seed in plan.test_seeds:
-                yield ComparisonCell(
-                    motion,
-                    degradation,
-                    seed,
-                    plan.rate_hz,
-                    plan.duration_s,
-                    settings,
-                    plan.recording(motion),
-                )
+                yield ComparisonCell(plan.inputs(motion, degradation, seed), settings)
 
 
 def _tuned(
@@ -133,20 +117,12 @@ def _tuned(
         pairs = wanted.setdefault((motion, lending.degradation), {})
         pairs[lending.method, lending.representation] = None
     searches = [
-        Tuning(
-            motion,
-            degradation,
-            plan.tuning_seeds,
-            plan.rate_hz,
-            plan.duration_s,
-            tuple(pairs),
-            plan.recording(motion),
-        )
-        for (motion, degradation), pairs in wanted.items()
+        Tuning(tuple(plan.inputs(*place, seed) for seed in plan.tuning_seeds), tuple(pairs))
+        for place, pairs in wanted.items()
     ]
     about = {search: asdict(search) for search in searches}
     searched = {
-        (search.motion, SearchPlace(search.degradation, *pair)): tuned
+        (search.inputs[0].motion, SearchPlace(search.inputs[0].degradation, *pair)): tuned
         for search, results in finished(run_tuning, about, out, executor, "searches").items()
         for pair, tuned in zip(search.pairs, results, strict=True)
     }
@@ -334,28 +310,15 @@ _FRAMES_SEED = 20240229
 
 @dataclass(frozen=True)
 class Trait:
-    """A setting, and the cell whose poses it is tried on."""
+    """A setting, and the poses that it is tried on."""
 
-    motion: str
-    degradation: str
-    seed: int
-    rate_hz: float
-    duration_s: float
+    inputs: DegradedMotion
     setting: Setting
-    recorded: RecordedMotion | None = None
 
 
 def run_trait(trait: Trait) -> dict[str, str | int | float]:
-    """`measured_trait` on the poses of a cell."""
-    degraded, _ = inputs_of(
-        trait.motion,
-        trait.degradation,
-        trait.seed,
-        trait.rate_hz,
-        trait.duration_s,
-        trait.recorded,
-    )
-    return measured_trait(trait.setting, degraded)
+    """`measured_trait` on these poses."""
+    return measured_trait(trait.setting, trait.inputs.drawn()[0])
 
 
 def measured_trait(setting: Setting, path: Trajectory) -> dict[str, str | int | float]:

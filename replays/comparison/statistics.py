@@ -75,7 +75,8 @@ class Sample:
     @classmethod
     def of(cls, cell: ComparisonCell, rows: Sequence[MeasuredRow]) -> Sample:
         """From a cell and its rows."""
-        return cls.named(cell.motion, cell.degradation, cell.seed, rows)
+        place = cell.inputs
+        return cls.named(place.motion, place.degradation, place.seed, rows)
 
     @classmethod
     def named(cls, motion: str, degradation: str, seed: int, rows: Sequence[MeasuredRow]) -> Sample:

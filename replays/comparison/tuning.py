@@ -39,8 +39,8 @@ import numpy as np
 
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.comparison.evaluator import PathEvaluator, RecordedMotion
-from motorcade.replays.comparison.plan import FOR_POSITIONS, Setting, inputs_of
+from motorcade.replays.comparison.evaluator import PathEvaluator
+from motorcade.replays.comparison.plan import FOR_POSITIONS, DegradedMotion, Setting
 
 
 def _noise(sigma_m: float, sigma_deg: float) -> tuple[tuple[str, float], ...]:
@@ -131,15 +131,10 @@ FIXED: Mapping[str, tuple[tuple[str, Any], ...]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class Tuning:
-    """One search: for a method and its representations, on a motion and a degradation."""
+    """One search: for a method and its representations, on seeds of a motion and a degradation."""
 
-    motion: str
-    degradation: str
-    seeds: tuple[int, ...]
-    rate_hz: float
-    duration_s: float
+    inputs: tuple[DegradedMotion, ...]
     pairs: tuple[tuple[str, str], ...]
-    recorded: RecordedMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -161,11 +156,7 @@ class Tuned:
 
 def run_tuning(tuning: Tuning) -> tuple[Tuned, ...]:
     """Every search of a motion and a degradation."""
-    rate_hz, duration_s = tuning.rate_hz, tuning.duration_s
-    inputs = [
-        inputs_of(tuning.motion, tuning.degradation, seed, rate_hz, duration_s, tuning.recorded)
-        for seed in tuning.seeds
-    ]
+    inputs = [each.drawn() for each in tuning.inputs]
     raw = [evaluator.errors([degraded])[0] for degraded, evaluator in inputs]
     return tuple(tuned(*pair, inputs, raw) for pair in tuning.pairs)
 

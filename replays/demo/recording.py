@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.animation.appearance import to_linear, to_srgb
-from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
+from motorcade.fusion.imu.noise import ADIS16448
 from motorcade.fusion.imu.simulate import simulate_imu
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -30,7 +30,7 @@ from motorcade.render import Layer, Renderer, Surface, new_renderer
 from motorcade.replays.demo.furniture import BOARD, CHARACTER_HEIGHT_M, world_T_board
 from motorcade.replays.demo.scene import room
 from motorcade.replays.engine.store import code_digest
-from motorcade.replays.io.imu import write_imu
+from motorcade.replays.io.imu import kalibr_noise, write_imu
 from motorcade.replays.io.trajectories import even_stamps, write_trajectory
 from motorcade.replays.stages.view.placed import CAST_SAYS
 from motorcade.tracking.cameras.camera import Camera
@@ -265,17 +265,8 @@ def _write_inertial(
     world_T_imu = path.trajectory(stamps).transformed_by(right=IMU_T_CAMERA.inverse(), child="imu")
     simulated = simulate_imu(world_T_imu, IMU_RATE_HZ, ADIS16448, rng, knot_spacing_s=IMU_KNOTS_S)
     write_imu(simulated.stream, folder / "imu.csv")
-    (folder / "imu.yaml").write_text(_noise_yaml(ADIS16448), encoding="utf-8")
-
-
-def _noise_yaml(noise: ImuNoise) -> str:
-    """Noise densities under the names that Kalibr and EuRoC use."""
-    return (
-        f"gyroscope_noise_density: {noise.gyro_density_rad_s_rthz!r}\n"
-        f"gyroscope_random_walk: {noise.gyro_walk_rad_s2_rthz!r}\n"
-        f"accelerometer_noise_density: {noise.accel_density_m_s2_rthz!r}\n"
-        f"accelerometer_random_walk: {noise.accel_walk_m_s3_rthz!r}\n"
-    )
+    noise = "".join(f"{name}: {value!r}\n" for name, value in kalibr_noise(ADIS16448).items())
+    (folder / "imu.yaml").write_text(noise, encoding="utf-8")
 
 
 def manifest(placed: str = STANDING) -> str:

@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.render import Surface
 from motorcade.replays.demo import furniture
@@ -100,8 +101,7 @@ def room() -> tuple[Surface, ...]:
 def developed(light: NDArray[np.floating]) -> NDArray[np.uint8]:
     """Linear light as sRGB bytes, over a curve that rolls off highlights instead of clipping."""
     x = EXPOSURE * np.maximum(light, 0.0)
-    value = np.clip(x * (1.0 + x / 4.0) / (1.0 + 0.55 * x), 0.0, 1.0)
-    shown = np.where(value < 0.0031308, 12.92 * value, 1.055 * value ** (1.0 / 2.4) - 0.055)
+    shown = to_srgb(x * (1.0 + x / 4.0) / (1.0 + 0.55 * x))
     return np.asarray(np.rint(255.0 * shown), dtype=np.uint8)
 
 
@@ -347,8 +347,7 @@ def material(name: str, size_m: tuple[float, float], pixels_per_m: float) -> Lin
 
 def linear(color: NDArray[Any]) -> NDArray[np.float32]:
     """Linear light of sRGB values."""
-    low, high = color / 12.92, ((color + 0.055) / 1.055) ** 2.4
-    return np.asarray(np.where(color < 0.04045, low, high), dtype=np.float32)
+    return np.asarray(to_linear(color), dtype=np.float32)
 
 
 @cache

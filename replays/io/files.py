@@ -93,6 +93,17 @@ def admit_file(path: Path, limit_bytes: int, field: str | None = None) -> None:
 
 
 @contextmanager
+def refusing(path: Path | str, field: str | None = None) -> Iterator[None]:
+    """Turn a ValueError of the block into a refusal of `path`; refusals pass as they are."""
+    try:
+        yield
+    except RecordingError:
+        raise
+    except ValueError as fault:
+        raise refusal(path, str(fault), field=field) from fault
+
+
+@contextmanager
 def refused(field: str | None = None) -> Iterator[None]:
     """Turn what the door refuses (`ga.files`) into this room's errors."""
     try:

@@ -25,7 +25,7 @@ from motorcade.ga.archives import load_arrays, save_arrays_in_parts
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError
 from motorcade.ga.stamps import near_steps
-from motorcade.replays.io.files import RecordingError, refusal, refused, replacing
+from motorcade.replays.io.files import refusal, refused, refusing, replacing
 from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
 from motorcade.replays.io.readers.tables import read_table
 
@@ -46,15 +46,11 @@ def read_imu(path: Path) -> ImuStream:
             what stands where, each with its line; force in g or rate in degrees, where the readings
             tell.
     """
-    try:
+    with refusing(path):
         stream = _stream(path)
         for notice in screen_imu(stream):
             _LOG.warning("%s: %s", path, notice)
         return stream
-    except RecordingError:
-        raise
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
 
 
 def _stream(path: Path) -> ImuStream:
@@ -126,6 +122,16 @@ def read_noise(path: Path) -> ImuNoise:
         raise refusal(path, fault.problem) from fault
     except ValueError as fault:
         raise refusal(path, str(fault).removeprefix(f"{path}: ")) from fault
+
+
+def kalibr_noise(noise: ImuNoise) -> dict[str, float]:
+    """Noise densities under the names that Kalibr and EuRoC use, as `read_noise` takes them."""
+    return {
+        "gyroscope_noise_density": noise.gyro_density_rad_s_rthz,
+        "gyroscope_random_walk": noise.gyro_walk_rad_s2_rthz,
+        "accelerometer_noise_density": noise.accel_density_m_s2_rthz,
+        "accelerometer_random_walk": noise.accel_walk_m_s3_rthz,
+    }
 
 
 _HEADER = (
@@ -200,7 +206,5 @@ def read_vibration(path: Path) -> VibrationSpectrum:
     array([0.316, 0.316, 0.632])
     """
     values = read_table(path, _COLUMNS, separator=b",", header=True).values
-    try:
+    with refusing(path):
         return VibrationSpectrum(values[:, 0], values[:, 1:4], values[:, 4:])
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault

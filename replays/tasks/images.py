@@ -14,7 +14,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.io.files import RecordingError, refusal, write_bytes
+from motorcade.replays.io.files import RecordingError, refusing, write_bytes
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.images import (
     decode_gray,
@@ -103,12 +103,10 @@ def markers_in(
 
 def _camera_of(path: Path, data: bytes, stated: Camera, rotation_deg: int | None) -> Camera:
     """The camera of an image as shown; says what it took for granted."""
-    try:
+    with refusing(path):
         stated_camera = upright_camera(
             stated, rotation_deg, image_size(data), image_orientation(data)
         )
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
     if stated_camera.said:
         _LOG.warning("%s: %s", path, stated_camera.said)
     return stated_camera.camera

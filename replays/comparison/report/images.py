@@ -19,7 +19,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.plots import plot_series
 from motorcade.render.plots.style import with_own_ids
-from motorcade.replays.comparison.plan import Setting, inputs_of
+from motorcade.replays.comparison.plan import DegradedMotion, Setting
 from motorcade.replays.comparison.report.matrix import LABELS, shown
 from motorcade.replays.comparison.report.results import REFERENCE, Results
 from motorcade.replays.web.pages import PagePlot
@@ -100,7 +100,9 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
     """Smooth the first test seed again, with the parameters that were found."""
     plan = results.document["plan"]
     seed = int(plan["test_seeds"][0])
-    degraded, evaluator = inputs_of(motion, degradation, seed, plan["rate_hz"], plan["duration_s"])
+    degraded, evaluator = DegradedMotion(
+        motion, degradation, seed, plan["rate_hz"], plan["duration_s"]
+    ).drawn()
     rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
     paths = {}
     for (name, representation), row in results.parameters(motion, degradation).items():

@@ -13,7 +13,7 @@ from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import one_line
 from motorcade.ga.plain_yaml import YamlError, parse_yaml
-from motorcade.replays.io.files import read_bounded, refusal
+from motorcade.replays.io.files import read_bounded, refusal, refusing
 from motorcade.replays.io.readers.tables import data_rows
 from motorcade.replays.io.transforms import as_float, is_number, transform
 from motorcade.tracking.cameras.camera import Camera, CameraModel
@@ -104,11 +104,9 @@ def make_camera(
         raise refusal(path, f"expected whole pixels, got {tuple(size)}", field="width, height")
     width, height = (int(side) for side in size)
     fx, fy, cx, cy = intrinsics
-    try:
+    with refusing(path):
         known = cast("CameraModel", model)  # Camera itself refuses any other
         return Camera(width, height, fx, fy, cx, cy, known, tuple(distortion))
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
 
 
 def read_numbers(

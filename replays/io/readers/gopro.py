@@ -40,7 +40,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import LONGEST_READOUT_S
 from motorcade.render.video import MAX_FILE_BYTES, open_video
-from motorcade.replays.io.files import open_bounded, refusal, refused
+from motorcade.replays.io.files import open_bounded, refusal, refused, refusing
 from motorcade.replays.io.imu import join_sensors
 
 # First letters of the firmware: model, and the order of its IMU's columns where no ORIN tells it.
@@ -242,10 +242,8 @@ def read_telemetry(path: Path) -> ImuStream | None:
         return None
     gyro_ns, rate = _joined(gathered[b"GYRO"], path)
     accel_ns, force = _joined(gathered[b"ACCL"], path)
-    try:
+    with refusing(path, "telemetry"):
         return join_sensors(gyro_ns, rate, accel_ns, force)
-    except ValueError as fault:
-        raise refusal(path, str(fault), field="telemetry") from fault
 
 
 def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:

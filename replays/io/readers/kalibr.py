@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from motorcade.ga import Motor
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import read_bounded, refusal
+from motorcade.replays.io.files import read_bounded, refusal, refusing
 from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats, yaml_model
 from motorcade.replays.io.transforms import (
     TRANSFORM_LIMIT,
@@ -119,7 +119,7 @@ def read_target(path: Path) -> Board:
     if not (columns.is_integer() and rows.is_integer()):
         raise refusal(path, "expected whole numbers", field=" and ".join(TARGET_KEYS[kind][:2]))
     counts = int(columns), int(rows)
-    try:
+    with refusing(path, kind):
         if kind == "aprilgrid":
             first = content.get("codeOffset", 0)
             return kalibr_grid(*counts, unit_m, round(others[0] * unit_m, 9), int(as_float(first)))
@@ -129,8 +129,6 @@ def read_target(path: Path) -> Board:
         if others[0] != unit_m:
             raise ValueError(f"expected square cells, got {unit_m:g} by {others[0]:g} m")
         return Checkerboard(*counts, unit_m)
-    except ValueError as fault:
-        raise refusal(path, str(fault), field=kind) from fault
 
 
 def _camera(table: dict[str, object], path: Path, name: str) -> ChainCamera:

@@ -26,7 +26,7 @@ from motorcade.fusion.measurements import GeodeticOrigin
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import admit_file, read_bounded, refusal
+from motorcade.replays.io.files import admit_file, read_bounded, refusal, refusing
 from motorcade.replays.io.readers.tables import stamp_ns
 
 ULG_LIMIT = 2**30
@@ -176,7 +176,7 @@ def geodetic_path(
         time_ns, places = time_ns[high], places[high]
         world_R_body = world_R_body[high] if world_R_body is not None else None
     rows = np.flatnonzero(np.diff(np.maximum.accumulate(time_ns), prepend=time_ns[0] - 1) > 0)
-    try:
+    with refusing(path):
         origin = GeodeticOrigin(*places[rows[0]].tolist())
         local_m = origin.local_m(*places[rows].T)
         turns = world_R_body[rows] if world_R_body is not None else None
@@ -186,8 +186,6 @@ def geodetic_path(
             else Motor.from_rotor_translation(turns, local_m)
         )
         result = Trajectory(time_ns[rows], poses, parent or "world", child or "antenna")
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
     latitude, longitude = places[rows[0], :2]
     _LOG.warning(
         "%s: metres east, north and up of %.7f, %.7f%s",
@@ -358,7 +356,5 @@ def read_oxts_imu(path: Path) -> ImuStream:
         RecordingError: files that are missing or damaged.
     """
     time_ns, numbers = _oxts_table(path)
-    try:
+    with refusing(path):
         return ImuStream(time_ns, numbers[:, 17:20], numbers[:, 11:14])
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault

@@ -38,7 +38,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import admit_file
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import RecordingError, open_bounded, refusal
+from motorcade.replays.io.files import RecordingError, open_bounded, refusal, refusing
 from motorcade.replays.io.imu import join_sensors, read_imu
 from motorcade.replays.io.readers import manifest as manifests
 from motorcade.replays.io.readers import positions
@@ -89,13 +89,8 @@ def _read_phone_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] 
     Raises:
         RecordingError: no such files, readings without gravity, or what `read_columns` refuses.
     """
-    try:
-        with _folder(path) as folder:
-            return _read(folder, path)
-    except RecordingError:
-        raise
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
+    with refusing(path), _folder(path) as folder:
+        return _read(folder, path)
 
 
 def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
@@ -238,10 +233,8 @@ def read_readings(path: Path, *, with_field: bool = True) -> SensorReadings:
     if imu is None:
         problem = "expected accelerometer and gyroscope, got a recording without them"
         raise refusal(path, problem)
-    try:
+    with refusing(path):
         notices = screen_imu(imu) if held_by in _UNSCREENED else ()
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
     for notice in notices:
         _LOG.warning("%s: %s", path, notice)
     return SensorReadings(imu, field, held_by)
@@ -402,10 +395,8 @@ def read_broad(path: Path) -> tuple[ImuStream, FloatArray]:
     if not 1.0 <= rate_hz <= 1e6:
         raise refusal(path, f"sampling_rate: expected 1 to 1000000 Hz, got {rate_hz:g}")
     stamps = np.round(np.arange(len(gyro)) * (1e9 / rate_hz)).astype(np.int64)
-    try:
+    with refusing(path):
         return ImuStream(stamps, gyro, accel), field
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
 
 
 def _data(file: h5py.File, name: str, path: Path) -> FloatArray:

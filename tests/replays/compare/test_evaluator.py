@@ -7,7 +7,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Trajectory
 from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator, RecordedTruth
-from motorcade.replays.comparison.plan import Setting, inputs_of
+from motorcade.replays.comparison.plan import DegradedMotion, Setting
 
 SETTINGS = (
     Setting("one_euro", "motor"),
@@ -20,7 +20,7 @@ DURATION_S = 8.0
 
 
 def paths_of(motion: str, degradation: str) -> tuple[list[Trajectory], PathEvaluator]:
-    degraded, evaluator = inputs_of(motion, degradation, 7, 30.0, DURATION_S)
+    degraded, evaluator = DegradedMotion(motion, degradation, 7, 30.0, DURATION_S).drawn()
     return [degraded, *(setting.smooth(degraded) for setting in SETTINGS)], evaluator
 
 
@@ -65,7 +65,7 @@ def test_uneven_stamps_are_measured_alike(degradation: str) -> None:
 
 
 def test_a_late_copy_of_the_truth_is_exactly_so_late() -> None:
-    _, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, DURATION_S)
+    _, evaluator = DegradedMotion("handheld", "gaussian", 1, 30.0, DURATION_S).drawn()
     late = MOTIONS["handheld"].sampled(30.0, DURATION_S, start_s=-0.0437)
     found = dict(zip(METRICS, evaluator.measure([late])[0], strict=True))
     assert found["lag_ms"] == pytest.approx(43.7, abs=2e-3)

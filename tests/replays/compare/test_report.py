@@ -18,9 +18,9 @@ from docs.making.guide import figures, page
 from motorcade.replays.comparison.plan import (
     ComparisonCell,
     ComparisonPlan,
+    DegradedMotion,
     MeasuredRow,
     Setting,
-    inputs_of,
     run_cell,
 )
 from motorcade.replays.comparison.report import Results, write_report
@@ -53,9 +53,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
     for motion in PLAN.motions:
         for degradation in PLAN.degradations:
             for seed in PLAN.test_seeds:
-                cell = ComparisonCell(
-                    motion, degradation, seed, PLAN.rate_hz, PLAN.duration_s, settings
-                )
+                cell = ComparisonCell(PLAN.inputs(motion, degradation, seed), settings)
                 rows = [
                     MeasuredRow(r.method, rename(r.representation), r.values)
                     for r in run_cell(cell)
@@ -65,8 +63,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
                 place = (motion, degradation, one.method, one.representation)
                 found[place] = Tuned(one, "search", 0.5, 12)
     traits = [
-        run_trait(Trait("walk_and_look", "gaussian", 1, PLAN.rate_hz, PLAN.duration_s, one))
-        for one in settings
+        run_trait(Trait(PLAN.inputs("walk_and_look", "gaussian", 1), one)) for one in settings
     ]
     traits = [row | {"representation": rename(row["representation"])} for row in traits]
     write_tables(Outcome(PLAN.as_dict(), tuple(samples), found, tuple(traits), TIES), folder)
@@ -321,7 +318,9 @@ def test_the_drawn_passage_is_that_of_the_first_seed(folder: Path) -> None:
     data = json.loads(found[1])
     method = re.search(r"Each\s+image holds what <code>(\w+)</code>", text)
     assert method is not None
-    degraded, evaluator = inputs_of("gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s)
+    degraded, evaluator = DegradedMotion(
+        "gimbal_crossing", "gaussian", 7, PLAN.rate_hz, PLAN.duration_s
+    ).drawn()
     true = Rotation.from_matrix(evaluator.true.as_matrix()[:, :3, :3])
     assert set(data["points"]) == {"truth", *PLAN.representations}
     for name in PLAN.representations:

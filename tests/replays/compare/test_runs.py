@@ -22,8 +22,8 @@ from motorcade.replays.comparison.plan import (
     DEGRADATIONS,
     OWN,
     ComparisonPlan,
+    DegradedMotion,
     Setting,
-    inputs_of,
     quick,
     standard,
 )
@@ -162,7 +162,7 @@ def test_every_representation_is_tuned_with_the_same_trials(small: Path) -> None
 
 def test_rotations_and_positions_are_tuned_apart_where_they_can_be() -> None:
     """A screw's positions curve where its rotations do not."""
-    degraded, evaluator = inputs_of("screw", "gaussian", 1, 30.0, 4.0)
+    degraded, evaluator = DegradedMotion("screw", "gaussian", 1, 30.0, 4.0).drawn()
     raw = evaluator.errors([degraded])[0]
     (one,) = RANGES["gaussian"]
     for name in ("quaternion", "rotor", "euler_best"):
@@ -178,7 +178,7 @@ def test_rotations_and_positions_are_tuned_apart_where_they_can_be() -> None:
 
 @pytest.mark.parametrize("name", ["motor", "euler"])
 def test_the_value_that_is_taken_is_as_good_as_any_of_a_fine_grid(name: str) -> None:
-    degraded, evaluator = inputs_of("handheld", "gaussian", 1, 30.0, 4.0)
+    degraded, evaluator = DegradedMotion("handheld", "gaussian", 1, 30.0, 4.0).drawn()
     raw = evaluator.errors([degraded])[0]
     found = tuned("gaussian", name, [(degraded, evaluator)], [raw])
     (one,) = RANGES["gaussian"]
@@ -306,7 +306,7 @@ def test_a_recorded_motion_is_degraded_and_judged_as_one_with_a_formula(
     true = MOTIONS["handheld"].sampled(100.0, 12.0)
     write_trajectory(true, tmp_path / "flight.tum")
     recorded = RecordedMotion.of(tmp_path / "flight.tum")
-    degraded, evaluator = inputs_of("flight", "gaussian", 1, 30.0, 6.0, recorded)
+    degraded, evaluator = DegradedMotion("flight", "gaussian", 1, 30.0, 6.0, recorded).drawn()
     assert len(degraded) == 181
     time_s = 3.0 + np.arange(181) / 30.0  # the middle of the path
     np.testing.assert_allclose(evaluator.time_s + evaluator.truth.origin_ns * 1e-9, time_s)
@@ -355,6 +355,6 @@ def test_own_files_are_compared_from_the_command_line(
 
 
 def test_splines_settle_beside_poses_that_are_plainly_wrong() -> None:
-    path, _ = inputs_of("distant_circle", "outliers_and_flips", 102, 30.0, 12.0)
+    path, _ = DegradedMotion("distant_circle", "outliers_and_flips", 102, 30.0, 12.0).drawn()
     made = Setting("spline", "motor", (("knot_spacing_s", 0.6),)).smooth(path)
     assert np.max(np.linalg.norm(made.poses.translation_m - path.poses.translation_m, axis=1)) < 5.0

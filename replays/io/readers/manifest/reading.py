@@ -325,11 +325,9 @@ class _Manifest:
             raise section.fault("zoom", "expected images alone, got depth or pairs with them")
         if camera is None or "zoom_s" not in section:
             raise section.fault("zoom_s", "the key is missing", "give the time of each zoom")
-        try:
+        with section.refusing("zoom"):
             zoom_s, ratio = (section.numbers(key, MOST_KNOTS) for key in ("zoom_s", "zoom"))
             zoom = Zoom(np.array(zoom_s), np.array(ratio))
-        except ValueError as fault:
-            raise section.fault("zoom", str(fault)) from fault
         return replace(recording, frames=ZoomedFrames(frames, zoom, camera))
 
     def _upright(
@@ -340,10 +338,8 @@ class _Manifest:
         rotation_deg = section_rotation(section)
         if rotation_deg is None and frames.orientation == AS_STORED:
             return stated, 0  # the images are compared with it when they are read
-        try:
+        with section.refusing(""):
             camera = upright_camera(stated, rotation_deg, stored, frames.orientation)
-        except ValueError as fault:
-            raise section.fault("", str(fault)) from fault
         if camera.said:
             _LOG.warning("%s: [camera]: %s", self.path, camera.said)
         return camera.camera, camera.quarter_turns
@@ -431,10 +427,8 @@ def _within(section: Section, frames: FrameSequence) -> FrameSequence:
         section.number(key, *ends) if key in section else end
         for key, end in zip(_SPAN_KEYS, ends, strict=True)
     )
-    try:
+    with section.refusing("start_s"):
         return frames_between(frames, round(1e9 * start_s), round(1e9 * end_s))
-    except ValueError as fault:
-        raise section.fault("start_s", str(fault)) from fault
 
 
 SLAM_KEYS = ("map_file",)

@@ -10,10 +10,11 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from motorcade.ga.names import did_you_mean, one_line
-from motorcade.replays.io.files import RecordingError, read_bounded, refusal
+from motorcade.replays.io.files import RecordingError, read_bounded, refusal, refusing
 from motorcade.replays.io.readers.calibration import (
     make_camera,
     read_matrix,
@@ -118,6 +119,10 @@ class Section:
         """Make the error for a key of this table."""
         field = f"{self.title} {key}".strip()
         return refusal(self.path, problem, field=field, advice=advice)
+
+    def refusing(self, key: str) -> AbstractContextManager[None]:
+        """What turns a ValueError of its block into the error for a key of this table."""
+        return refusing(self.path, f"{self.title} {key}".strip())
 
     def text(self, key: str, choices: tuple[str, ...] = ()) -> str:
         """A string, one of `choices` where they are given."""
@@ -227,13 +232,9 @@ def section_board(path: Path, table: object) -> Board:
     every = (*_BOARD_COMMON, *{key for keys in BOARD_KEYS.values() for key in keys})
     kind = Section(path, "board", table, every).text("type", tuple(BOARD_KEYS))
     section = Section(path, "board", table, (*_BOARD_COMMON, *BOARD_KEYS[kind]))
-    try:
+    with section.refusing(kind):
         keys = [key for key in BOARD_KEYS[kind] if key in section or key not in _OPTIONAL]
         return _BOARDS[kind](**{key: _board_value(section, key) for key in keys})
-    except RecordingError:
-        raise
-    except ValueError as fault:
-        raise section.fault(kind, str(fault)) from fault
 
 
 def _board_value(section: Section, key: str) -> object:

@@ -23,7 +23,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean, one_line
-from motorcade.replays.io.files import RecordingError, refusal
+from motorcade.replays.io.files import refusal, refusing
 from motorcade.replays.io.imu import join_sensors, read_noise
 from motorcade.replays.io.readers import kalibr
 from motorcade.replays.io.readers.calibration import make_camera, yaml_model
@@ -301,7 +301,7 @@ def read_bag_imu(
     gyros = [name for name, zero in nothing.items() if zero[:, 3:].all()]
     accels = [name for name, zero in nothing.items() if zero[:, :3].all()]
     whole = [name for name in streams if name not in (*gyros, *accels)]
-    try:
+    with refusing(path, one_line(", ".join(streams))):
         if not whole and gyros and accels:
             (gyro_ns, rate), (accel_ns, force) = streams[gyros[0]], streams[accels[0]]
             stream = join_sensors(gyro_ns, rate[:, :3], accel_ns, force[:, 3:])
@@ -312,10 +312,6 @@ def read_bag_imu(
         for notice in screen_imu(stream):
             _LOG.warning("%s: %s", path, notice)
         return stream
-    except RecordingError:
-        raise
-    except ValueError as fault:
-        raise refusal(path, str(fault), field=one_line(", ".join(streams))) from fault
 
 
 def _first(topics: Sequence[str], root: Path, what: str) -> str:

@@ -29,7 +29,7 @@ import numpy as np
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import read_bounded, refusal
+from motorcade.replays.io.files import read_bounded, refusal, refusing
 from motorcade.replays.io.readers.calibration import make_camera, read_yaml, yaml_floats
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.ros.reader import EmptyBag, header_stamp_ns, read_bag
@@ -122,10 +122,8 @@ def read_corners(root: Path) -> TagSlamRecording:
     for name, (camera, topic) in cameras.items():
         if not frames[name]:
             raise refusal(path, f"expected messages on {one_line(topic)}, got none", field=name)
-        try:
+        with refusing(path, one_line(topic)):
             streams[name] = _stream(camera, name, frames[name], scene, remaps, squashed)
-        except ValueError as fault:
-            raise refusal(path, str(fault), field=one_line(topic)) from fault
     seen = np.unique(np.concatenate([one.marker_ids for one in streams.values()]))
     side_m = {int(marker): scene.side_m(int(marker)) for marker in seen}
     known = {marker: side for marker, side in side_m.items() if side is not None}

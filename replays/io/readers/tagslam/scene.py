@@ -19,7 +19,7 @@ import numpy as np
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import refusal
+from motorcade.replays.io.files import refusal, refusing
 from motorcade.replays.io.readers.calibration import read_yaml, yaml_floats
 from motorcade.tracking.markers.scenes import (
     BodyOdometry,
@@ -380,7 +380,7 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
     ignored = _ignored(content, parameters)
     for key in ignored:
         _LOG.warning("%s: %s", path, key)
-    try:
+    with refusing(path):
         return MarkerScene(
             bodies,
             carriers,
@@ -392,8 +392,6 @@ def read_scene(root: Path, odometry: Mapping[str, Trajectory]) -> MarkerScene:
             _wiggles(root / "cameras.yaml"),
             ignored,
         )
-    except ValueError as fault:
-        raise refusal(path, str(fault)) from fault
 
 
 def _ignored(content: Mapping[str, object], parameters: Mapping[str, object]) -> tuple[str, ...]:
