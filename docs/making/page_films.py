@@ -21,7 +21,7 @@ import numpy as np
 from PIL import Image
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.pipeline.look.view import write_view
+from motorcade.replays.pipeline.runs import write_view
 from motorcade.replays.studio.desk import open_desk
 from tests.bench.view.pages import READY, chromium
 from tests.end_to_end.pages.conftest import Browser, Page

@@ -135,7 +135,7 @@ def view(arguments: argparse.Namespace) -> None:
     import webbrowser
 
     from motorcade.ga.progress import log_stages
-    from motorcade.replays.pipeline.look.view import write_view
+    from motorcade.replays.pipeline.runs import write_view
 
     runs = [arguments.run] if arguments.other is None else [arguments.run, arguments.other]
     out = arguments.run / "view.html" if arguments.out is None else arguments.out

@@ -41,8 +41,12 @@ from motorcade.replays.stages.camera.simulated_poses import simulated_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.replays.stages.camera.turning_poses import turning_poses
 from motorcade.replays.stages.characters.acted import check_scene
-from motorcade.replays.stages.characters.acting import MANNEQUIN, character_named, clip_named
-from motorcade.replays.stages.characters.casting import check_cast
+from motorcade.replays.stages.characters.acting import (
+    MANNEQUIN,
+    character_named,
+    check_cast,
+    clip_named,
+)
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused

@@ -23,7 +23,6 @@ from motorcade.animation.authoring import (
 from motorcade.animation.behaviour import (
     Actor,
     Errand,
-    Performance,
     Timeline,
     foot_slides_m,
     gait_between,
@@ -38,8 +37,14 @@ from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.readers.manifest.cast import file_of
-from motorcade.replays.stages.characters.acting import IDLE, LONGEST_IDLE_S, character_named
-from motorcade.replays.stages.characters.casting import mask_of, rigid_clip
+from motorcade.replays.stages.characters.acting import (
+    IDLE,
+    LONGEST_IDLE_S,
+    character_named,
+    mask_of,
+    rigid_clip,
+    states_of,
+)
 from motorcade.replays.stages.values.view import PartState
 
 RATE_HZ = 60.0
@@ -109,7 +114,7 @@ def acted(scene: Scene, name: str, folder: Path, lasts_s: float) -> Acted:
             time_s, poses = performance.time_s, performance.poses
             way = performance.plane_T_character
             slide_m = max((slide for _, _, slide in foot_slides_m(actor, performance)), default=0.0)
-            states = _states(performance)
+            states = states_of(performance)
         for layer in part.layers:
             poses = _layered(character, layer, time_s, poses)
         poses = _turned(character.skeleton, part, time_s, poses)
@@ -165,15 +170,6 @@ def _timeline(actor: Actor, walk: SceneWalk) -> Timeline:
     x, y = walk.path_m[1] - walk.path_m[0]
     heading = float(np.arctan2(y, x))
     return Timeline(actor, Errand(walk.path_m[0], heading, walk.path_m, waits_s=walk.start_s))
-
-
-def _states(performance: Performance) -> tuple[PartState, ...]:
-    last_s = float(performance.time_s[-1])
-    return tuple(
-        PartState(segment.state, segment.clip, segment.start_s, min(segment.end_s, last_s))
-        for segment in performance.segments
-        if segment.start_s <= last_s
-    )
 
 
 def _layered(character: Character, layer: SceneLayer, time_s: FloatArray, poses: Motor) -> Motor:

@@ -1,10 +1,13 @@
 """The character of a scene and its motion: the mannequin or a file, clips, walks along a path.
 
 Who is drawn and exported: the placed character, or all of a cast or a scene, as they move.
+
+A cast on a plane: characters with their motions become actors, what they do becomes poses.
 """
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
@@ -13,16 +16,33 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation import Character, Clip, Placement, mannequin
-from motorcade.animation.behaviour import Gaze
+from motorcade.animation.behaviour import (
+    Act,
+    Actor,
+    ClipLayer,
+    Crowd,
+    Errand,
+    Gaze,
+    LookTarget,
+    Performance,
+    closest_m,
+    foot_slides_m,
+    gait_between,
+    keep_apart,
+    perform,
+)
+from motorcade.animation.formats import FormatError, read_motion
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_its_soles, on_the_spot, walk_along
-from motorcade.animation.retarget import figure_of, legs_of, retarget
+from motorcade.animation.retarget import body_of, figure_of, legs_of, retarget
+from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import files_now, files_read, is_there, put_on_record
 from motorcade.ga.names import did_you_mean
 from motorcade.render import Performer
-from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.io.readers.manifest.cast import CAMERA, Cast, CastMember, LayerAsked
+from motorcade.replays.stages.values.view import PartState, PlacedCharacter, PlayedPart
 
 MANNEQUIN = "mannequin"
 IDLE = "idle"
@@ -235,3 +255,258 @@ def performers(placed: PlacedCharacter, lasting_s: float = 0.0) -> list[Performe
         if placed.looks_at_m is not None:
             clip = looking_at(character, clip, placed.placement, placed.looks_at_m)
     return [Performer(character, clip, placed.placement, ground_motion=placed.ground_motion)]
+
+
+log = logging.getLogger("motorcade.placed")
+
+# Bodies keep this share of the smaller one's height apart where the cast says nothing.
+GAP = 0.1
+# The joints from which a mask goes down the skeleton, by their roles; the first that is there.
+_FROM = {
+    "upper": ("spine_1", "neck", "head"),
+    "left_arm": ("left_clavicle", "left_upper_arm"),
+    "right_arm": ("right_clavicle", "right_upper_arm"),
+    "head": ("neck", "head"),
+}
+
+
+def actor_of(member: CastMember, height_m: float) -> Actor:
+    """A member of a cast, ready to act.
+
+    Args:
+        member: as the cast asks for it.
+        height_m: as tall as it shall stand, where the cast does not say.
+
+    Raises:
+        ValueError: a file that cannot be read, a clip that is not there (the message lists those
+            that are), gaits that are none, a path for a character without legs; each names the
+            member.
+    """
+    try:
+        character = with_motions(_character(member), member.motions)
+        skeleton = character.skeleton
+        legs = tuple(fitted_legs(legs_of(skeleton), character))
+        idle = rigid_clip(character, member.idle)
+        acts = {
+            name: Act.of(rigid_clip(character, name), skeleton, legs)
+            for name in dict.fromkeys(member.acts)
+        }
+        layers = tuple(_layer(character, one) for one in member.layers)
+        if member.look_at is not None:
+            Gaze.of(character)  # refused here rather than when it acts
+        cycle, speed_m_s = None, 1.0
+        if len(member.path_m) > 1:
+            if not legs:
+                raise ValueError("neither bones nor names tell the character's legs")
+            gaits = [rigid_clip(character, name) for name in member.gaits]
+            cycle, speed_m_s = gait_between(gaits, skeleton, legs, member.speed_m_s)
+    except ValueError as fault:
+        raise ValueError(f"cast, '{member.name}': {fault}") from fault
+    scale = (member.height_m or height_m) / character.height_m
+    return Actor(member.name, character, legs, scale, idle, cycle, speed_m_s, acts, layers)
+
+
+def with_motions(character: Character, motions: tuple[Path, ...]) -> Character:
+    """The character with the clips of further files, retargeted to it.
+
+    A clip whose name is taken is called by its file as well: "dance/take 1".
+
+    Raises:
+        ValueError: a file that cannot be read, or whose skeleton shares nothing with its own.
+    """
+    clips, taken = list(character.clips), {clip.name for clip in character.clips}
+    legs = fitted_legs(legs_of(character.skeleton), character)
+    for file in motions:
+        try:
+            motion = read_motion(file)
+        except FormatError as fault:
+            raise ValueError(str(fault)) from fault
+        for notice in motion.notices:
+            log.info("%s: %s", file.name, notice)
+        for clip in motion.clips:
+            name = clip.name if clip.name not in taken else f"{file.stem}/{clip.name}"
+            if name in taken:
+                raise ValueError(f"{file}: expected clips of different names, got {name!r} twice")
+            taken.add(name)
+            try:
+                retargeted = retarget(clip, motion.skeleton, character.skeleton, legs=legs)
+            except ValueError as fault:
+                raise ValueError(
+                    f"{file}: '{clip.name}' does not fit the character ({fault})"
+                ) from fault
+            clips.append(replace(retargeted, name=name))
+    return replace(character, clips=tuple(clips))
+
+
+def played(
+    cast: Cast,
+    plane: Motor,
+    height_m: float,
+    camera: LookTarget,
+    lasts_s: float,
+) -> tuple[tuple[PlayedPart, ...], float]:
+    """What everybody of a cast does on a plane, and the least distance between two bodies,
+    both until the recording ends.
+
+    Args:
+        cast: as it was asked for.
+        plane: ``world_T_plane``.
+        height_m: of those whose height the cast does not say.
+        camera: where it is on the plane, from its first frame on: those face it who are not told
+            where to, and look at it who are asked to.
+        lasts_s: of the recording.
+
+    Raises:
+        ValueError: see `actor_of` and `keep_apart`.
+    """
+    actors = [actor_of(member, height_m) for member in cast.members]
+    towards = camera.at(0.0)[:2]
+    errands = [_errand(member, towards) for member in cast.members]
+    smallest = min(actor.scale * actor.character.height_m for actor in actors)
+    gap_m = GAP * smallest if cast.gap_m is None else cast.gap_m
+    try:
+        crowd = keep_apart(list(zip(actors, errands, strict=True)), gap_m)
+    except ValueError as fault:
+        raise ValueError(f"cast: {fault}") from fault
+    _tell(crowd, actors, lasts_s)
+    performances = []
+    for member, timeline in zip(cast.members, crowd.timelines, strict=True):
+        lasting = max(min(lasts_s, timeline.done_s + LONGEST_IDLE_S), 0.1)
+        seen_s = max(lasts_s, 0.1)
+        performances.append(
+            perform(timeline, lasting, look_at=_look_at(member, camera), most_s=seen_s)
+        )
+    apart_m = closest_m(list(zip(actors, performances, strict=True)))
+    if np.isfinite(apart_m):
+        log.info("cast: bodies are %.3g m apart or more", apart_m)
+    parts = tuple(
+        _part(member, actor, performance, note, plane)
+        for member, actor, performance, note in zip(
+            cast.members, actors, performances, crowd.notes, strict=True
+        )
+    )
+    return parts, apart_m
+
+
+def _look_at(member: CastMember, camera: LookTarget) -> LookTarget | None:
+    if member.look_at is None or isinstance(member.look_at, str):
+        return camera if member.look_at == CAMERA else None
+    return LookTarget(np.zeros(1), member.look_at[None])
+
+
+def _errand(member: CastMember, towards: FloatArray) -> Errand:
+    start = member.path_m[0]
+    walks = len(member.path_m) > 1
+    away = (member.path_m[1] if walks else towards) - start
+    heading = float(np.arctan2(away[1], away[0]))
+    if member.heading_deg is not None:
+        heading = float(np.deg2rad(member.heading_deg))
+    facing = None if member.facing_deg is None else float(np.deg2rad(member.facing_deg))
+    if facing is None and walks:  # as a guest would: to whoever looks
+        back = towards - member.path_m[-1]
+        facing = float(np.arctan2(back[1], back[0]))
+    path = member.path_m if walks else np.zeros((0, 2))
+    return Errand(start, heading, path, facing, member.acts, member.waits_s)
+
+
+def _tell(crowd: Crowd, actors: list[Actor], lasts_s: float) -> None:
+    """Say in the log who waits, goes round, cannot go, or is not done when the recording ends."""
+    for timeline in crowd.timelines:
+        if timeline.done_s > lasts_s:
+            log.warning(
+                "cast: '%s' is done at %.1f s, and the recording ends at %.1f s",
+                timeline.actor.name,
+                timeline.done_s,
+                lasts_s,
+            )
+    for actor, note in zip(actors, crowd.notes, strict=True):
+        if note:
+            say = log.warning if actor.name in crowd.stays else log.info
+            say("cast: '%s' %s", actor.name, note)
+
+
+def _part(
+    member: CastMember, actor: Actor, performance: Performance, note: str, plane: Motor
+) -> PlayedPart:
+    """Poses in the frame of a placement in the middle of the way, where light is made for."""
+    places = performance.plane_T_character.translation_m
+    middle = 0.5 * (places.min(axis=0) + places.max(axis=0))
+    start = Motor.from_rotor_translation(performance.plane_T_character[0].rotor, middle)
+    way = start.inverse() @ performance.plane_T_character
+    own = Motor.from_rotor_translation(way.rotor, way.translation_m / actor.scale)
+    slides = [slide for _, _, slide in foot_slides_m(actor, performance)]
+    return PlayedPart(
+        member.name,
+        member.file,
+        Placement(plane @ start, actor.scale),
+        performance.time_s,
+        actor.skeleton.moved(performance.poses, own),
+        states_of(performance),
+        note,
+        max(slides, default=0.0),
+        up=member.up,
+        front=member.front,
+    )
+
+
+def states_of(performance: Performance) -> tuple[PartState, ...]:
+    """What is done when, up to the performance's end."""
+    last_s = float(performance.time_s[-1])
+    return tuple(
+        PartState(segment.state, segment.clip, segment.start_s, min(segment.end_s, last_s))
+        for segment in performance.segments
+        if segment.start_s <= last_s
+    )
+
+
+def _character(member: CastMember) -> Character:
+    """The mannequin or that of a file, whose faults are those of the cast's key."""
+    try:
+        return character_named(member.file, member.up, member.front)
+    except ValueError as fault:
+        text = str(fault).removeprefix("placed.")
+        key = "" if text.startswith(("up: ", "front: ")) else "file: "
+        raise ValueError(f"{key}{text.removeprefix('character: ')}") from fault
+
+
+def rigid_clip(character: Character, name: str) -> Clip:
+    """A clip of the character by its name, or the mannequin's of that name, rigid."""
+    try:
+        chosen = clip_named(character, name)
+    except ValueError as fault:
+        if any(clip.name == name for clip in character.clips):
+            raise
+        names = ", ".join(repr(clip.name) for clip in character.clips) or "none"
+        advice = did_you_mean(name, [clip.name for clip in character.clips])
+        raise ValueError(f"no clip {name!r} among its own ({names}); {advice}") from fault
+    return replace(chosen, poses=chosen.poses.rigid, morphs=None)
+
+
+def _layer(character: Character, asked: LayerAsked) -> ClipLayer:
+    mask = asked.weight * mask_of(character.skeleton, asked.joints)
+    return ClipLayer(rigid_clip(character, asked.clip), mask, asked.during, asked.additive)
+
+
+def mask_of(skeleton: Skeleton, joints: str) -> FloatArray:
+    """1 for the joints that a word means, and all that hang on them."""
+    if joints == "whole":
+        return np.ones(len(skeleton))
+    body, mask = body_of(skeleton), np.zeros(len(skeleton))
+    first = next((body[role] for role in _FROM[joints] if role in body), None)
+    if first is None:
+        raise ValueError(f"layers: its joints do not tell '{joints}'")
+    mask[first] = 1.0
+    for joint, parent in enumerate(skeleton.parents):
+        if parent >= 0 and mask[parent] > 0.0:
+            mask[joint] = 1.0
+    return mask
+
+
+def check_cast(cast: Cast) -> None:
+    """Refuse what can be refused before a recording is looked at: files, clips, gaits.
+
+    Raises:
+        ValueError: see `actor_of`.
+    """
+    for member in cast.members:
+        actor_of(member, 1.0)

@@ -24,10 +24,10 @@ from motorcade.replays.stages.characters.acting import (
     character_named,
     clip_named,
     path_of,
+    played,
     standing_clip,
     walked,
 )
-from motorcade.replays.stages.characters.casting import played
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.replays.pipeline.look.view import write_view
+from motorcade.replays.pipeline.runs import write_view
 from motorcade.replays.studio.desk import open_desk
 from tests.end_to_end.pages.conftest import Browser, Page
 from tests.end_to_end.pages.editor_tab import Tab

@@ -11,7 +11,7 @@ from motorcade.ga import Trajectory
 from motorcade.replays.cli.main import main
 from motorcade.replays.pipeline.look.document import LookedAt, look_of
 from motorcade.replays.pipeline.look.packing import drawn_name
-from motorcade.replays.pipeline.look.view import open_look
+from motorcade.replays.pipeline.runs import open_look
 from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.view.overlay import extrapolated
 from motorcade.replays.web.page import view_page

@@ -11,7 +11,7 @@ from motorcade.animation import Placement, mannequin
 from motorcade.ga import Motor
 from motorcade.render import Performer
 from motorcade.replays.cli.main import main
-from motorcade.replays.pipeline.look.view import write_view
+from motorcade.replays.pipeline.runs import write_view
 from motorcade.replays.web.page import view_page
 from motorcade.tracking import Camera
 from tests.end_to_end.pages.drawn_where import Standing, apart
@@ -140,7 +140,7 @@ def test_keys_and_clicks_go_where_they_say(view: Path, opened: Callable[..., Any
 def test_two_runs_stand_side_by_side_with_films_beside_the_page(
     run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, opened: Callable[..., Any]
 ) -> None:
-    monkeypatch.setattr("motorcade.replays.pipeline.look.view.INSIDE_BYTES", 50_000)
+    monkeypatch.setattr("motorcade.replays.pipeline.runs.INSIDE_BYTES", 50_000)
     written = write_view([run, run], tmp_path / "both.html")
     films = tuple(path.name for path in written[1:])
     assert len(films) == 2 * (1 + (run / "overlay.mp4").exists())

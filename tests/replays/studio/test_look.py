@@ -12,7 +12,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Performer
 from motorcade.replays.pipeline.look.document import shown_character
 from motorcade.replays.pipeline.look.packing import back_home, packed, packed_smooth, rows_at
-from motorcade.replays.pipeline.look.view import write_view
+from motorcade.replays.pipeline.runs import write_view
 
 
 @pytest.mark.parametrize(("kind", "written"), [("f32", "<f4"), ("f64", "<f8"), ("u32", "<u4")])

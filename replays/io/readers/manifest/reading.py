@@ -28,10 +28,10 @@ from motorcade.replays.io.readers.frames.files import (
     image_glob,
     images_in,
     inside,
+    paired_masks,
     refuse_gaps,
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
-from motorcade.replays.io.readers.frames.masks import paired_masks
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.frames.views import ZoomedFrames, frames_between
 from motorcade.replays.io.readers.gopro import read_telemetry

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from motorcade.replays.pipeline.look.view import write_view
+from motorcade.replays.pipeline.runs import write_view
 from tests.end_to_end.pages.accessibility.faults import serious_faults
 from tests.end_to_end.pages.conftest import Browser
 from tests.end_to_end.pages.editor_tab import Tab

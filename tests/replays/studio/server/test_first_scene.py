@@ -12,8 +12,7 @@ from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
 from motorcade.replays.io.readers.manifest.cast import read_cast
 from motorcade.replays.stages.characters.acted import acted
-from motorcade.replays.stages.characters.acting import character_named
-from motorcade.replays.stages.characters.casting import played
+from motorcade.replays.stages.characters.acting import character_named, played
 from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.studio.first_scene import first_scene
 from tests.props import box
