@@ -65,13 +65,6 @@ def add_output(parser: Options, metavar: str = "FILE", what: str | None = None) 
     parser.add_argument("-o", "--output", type=Path, required=True, metavar=metavar, help=what)
 
 
-def add_results(parser: Options, out: str, what: str = "results") -> None:
-    """The folder `--out` that results are left in."""
-    parser.add_argument(
-        "--out", type=Path, default=Path(out), metavar="DIR", help=f"{what} ({out})"
-    )
-
-
 def add_axes(parser: argparse.ArgumentParser) -> None:
     """Add `--up` and `--front`, for characters whose files and limbs do not tell them."""
     for option, what in (("up", "is up"), ("front", "the figure faces at rest")):

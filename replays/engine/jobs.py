@@ -247,7 +247,7 @@ def run_jobs(
         function: a function of a module. The type that it says to return must be one that
             `artifacts` can store and read.
         jobs: the folder of each job's result; on a cluster, one that all workers see.
-        executor: see `executors.outcomes`.
+        executor: see `outcomes`.
         what: the jobs' name in the plural, for what is said of progress.
 
     Raises:

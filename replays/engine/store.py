@@ -1,4 +1,4 @@
-"""What a stage's result depends on besides its inputs: code and the versions that run it.
+"""Results of stages: what they depend on besides their inputs, and how they are kept.
 
 `code_digest(function, given)` covers the source of the function's module, of those of the types of
 the values that it is given, and of every module of ours that these use, directly or through others,

@@ -1,10 +1,8 @@
-"""A run as a USD stage: camera, paths, points, and characters with skeletons that move.
+"""Runs for other programs: as USD; images with poses for COLMAP and nerfstudio.
 
 Metres, z up; time codes are frames at the recording's usual rate from the path's first stamp on, so
 that frames at uneven times fall between whole codes. Sources: the schemas of UsdGeom and UsdSkel
 (https://openusd.org/release/api).
-
-A run's images as files, with their poses: COLMAP's text model and nerfstudio's transforms.
 
 COLMAP: https://colmap.github.io/format.html; pixel (0.5, 0.5) is the centre of the top-left pixel
 there, and poses are camera_T_world.

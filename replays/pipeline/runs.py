@@ -1,9 +1,9 @@
-"""Runs for other viewers: everything that a run placed in its world, as glTF or for Rerun.
+"""Runs read back for other viewers: as glTF, for Rerun, or as a page of the browser.
 
 A run's folder says what was run (`run.json`); its stages come out of its cache, or are computed
 again where that is gone.
 
-`motorcade view`: a run's cache read back, its films copied, and the page written.
+The page lies beside copies of the films.
 """
 
 from __future__ import annotations

@@ -114,7 +114,8 @@ def _common(paths: dict[str, Trajectory]) -> IntArray:
 def _apart(
     estimated: Motor | Similarity, true: Motor | Similarity
 ) -> tuple[FloatArray, FloatArray]:
-    return absolute_translation_m(estimated, true), np.rad2deg(rotation_rad(estimated, true))
+    ours, others = estimated.rigid, true.rigid
+    return absolute_translation_m(ours, others), np.rad2deg(rotation_rad(ours, others))
 
 
 def _compared(

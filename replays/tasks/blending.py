@@ -1,6 +1,7 @@
-"""Two motions of a character blended, written as glTF or video, and the methods compared.
+"""Motions of a character blended, and recorded gestures replayed on a scene.
 
-Recorded gestures replayed on a scene, by rotors and by Euler angles side by side.
+Blends are written as glTF or video, and the methods compared; gestures are replayed by rotors and
+by Euler angles side by side.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
-"""Calibration from image files or a video: views gathered, camera and coverage written.
+"""Cameras calibrated from images of a board, and together with an IMU from a recording of it.
 
-Camera and IMU calibrated together from a recording of a board: read, calibrated, written.
-
-Written are a manifest of the house, and the two files that Kalibr would write, in its conventions:
+With an IMU a manifest is written, and the two files that Kalibr would write, in its conventions:
 ``T_cam_imu`` maps the IMU's coordinates to the camera's, ``timeshift_cam_imu`` is added to a
 image's stamp to be the IMU's time, readings are ``M (C_gyro_i rate) + bias`` and ``M force +
 bias`` (github.com/ethz-asl/kalibr/wiki/Multi-IMU-and-IMU-intrinsic-calibration).

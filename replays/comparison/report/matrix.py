@@ -1,4 +1,7 @@
-"""Tables of methods by representations, tinted: blue where less is left, orange where more is."""
+"""Tables of methods by representations, tinted, and what the report calls things.
+
+Blue is where less is left, orange where more is.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""Part of a sequence of frames: those between two times, with all else as it was.
+"""Frames seen otherwise: a part of a sequence, or a zooming lens as one focal length.
 
-Times rather than numbers, since damaged images are left out of one reading and not of another.
-
-Frames of a lens that zooms, as one focal length shows them, and for the film as taken.
+A part is told by times rather than numbers, since damaged images are left out of one reading and
+not of another. Images of a lens that zooms stay as taken for the film.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""The `[imu]` table of a manifest: how a sensor sits beside a camera, errs and keeps time.
+"""What a manifest says of an IMU, `[imu]`, and of the ground truth, `[truth]`.
 
-`motorcade calibrate --imu` writes one; it holds for every recording by the same camera and IMU.
-
-Truth named by a manifest: its file format, its convention and its world, made `world_T_camera`.
+`motorcade calibrate --imu` writes the first: how the sensor sits beside a camera, errs and keeps
+time; it holds for every recording by the same camera and IMU. The truth has a file format, a
+convention and a world, and is made `world_T_camera`.
 
 =================== ======================================================== ====================
 format              one pose                                                 stamps
