@@ -11,8 +11,8 @@ from .board_tracking.poses import BoardMeasurements as BoardMeasurements
 from .board_tracking.poses import measure_board as measure_board
 from .board_tracking.tracker import BoardTrack as BoardTrack
 from .board_tracking.tracker import BoardTracker as BoardTracker
-from .board_tracking.tracker import registration_px as registration_px
 from .board_tracking.tracker import track_board as track_board
+from .board_tracking.witness import registration_px as registration_px
 from .boards.charuco import CharucoBoard as CharucoBoard
 from .boards.checkerboard import Checkerboard as Checkerboard
 from .boards.corners import Board as Board

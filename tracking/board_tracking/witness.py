@@ -1,4 +1,4 @@
-"""A witness by pixels: a print drawn where a pose puts it, beside the image of it.
+"""Witnesses by pixels: what a pose puts into an image, drawn or projected, beside what is there.
 
 Poses follow from corners, or from the sides of markers; what lies between these had no part in
 them. There the image, laid into the board's plane through the lens, is registered with the drawing
@@ -14,10 +14,10 @@ from itertools import pairwise
 import cv2
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
-from skimage.registration import phase_cross_correlation
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.tracking.board_tracking.tracker import BoardTrack
 from motorcade.tracking.boards import Board, GrayImage
 from motorcade.tracking.boards.circles import CircleGrid
 from motorcade.tracking.boards.squares import SquaresBoard
@@ -95,6 +95,48 @@ def pixel_offsets(
     return np.array(offsets).reshape(-1, 2) * step_m * px_per_m
 
 
+def registration_px(
+    path: Trajectory,
+    board_track: BoardTrack,
+    board: Board,
+    camera: Camera,
+    world_T_board: Motor,
+    corners_m: FloatArray | None = None,
+) -> FloatArray:
+    """Root mean square distance between projected and found corners, a frame.
+
+    Args:
+        path: ``world_T_camera``; frames outside its span are left out.
+        board_track: the corners found in each of the N frames that show the board.
+        board: what they belong to.
+        camera: who saw them, with its distortion.
+        world_T_board: where the board is.
+        corners_m: ``(n, 3)`` its corners where the print is not flat (`bent_track`).
+
+    Returns:
+        ``(M,)`` pixels, M at most N; corners that fall behind the camera make a frame NaN.
+
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.tracking import Camera, SingleMarker, registration_px, track_board
+    >>> board = SingleMarker("tag36h11", 7, side_m=0.1)
+    >>> image, _ = board.draw(pixels_per_m=1000.0)
+    >>> camera = Camera(image.shape[1], image.shape[0], 200.0, 200.0, 69.5, 69.5)
+    >>> track = track_board([(0, image), (33_000_000, image)], camera, board)
+    >>> path = track.measurements.trajectory  # the board's frame is the world
+    >>> errors_px = registration_px(path, track, board, camera, world_T_board=Motor.identity())
+    >>> bool(errors_px.max() < 0.2)
+    True
+    """
+    points_m, errors_px = board.points_m if corners_m is None else corners_m, []
+    for seen in board_track.observations:
+        if not path.time_ns[0] <= seen.time_ns <= path.time_ns[-1]:
+            continue
+        camera_T_board = path.motors_at(np.int64(seen.time_ns)).inverse() @ world_T_board
+        expected = camera.project(camera_T_board.apply(points_m[seen.ids]))
+        errors_px.append(np.sqrt(np.mean(np.sum((expected - seen.corners_px) ** 2, axis=-1))))
+    return np.array(errors_px, dtype=np.float64)
+
+
 def _heights_between(points: FloatArray, corners_m: FloatArray) -> FloatArray:
     """Heights of a bent print at places ``(*, 3)``: the bicubic surface nearest to its corners."""
     middle, half = corners_m[:, :2].mean(axis=0), 0.5 * np.ptp(corners_m[:, :2], axis=0).max()
@@ -107,6 +149,8 @@ def _heights_between(points: FloatArray, corners_m: FloatArray) -> FloatArray:
 
 def _offset(drawn: FloatArray, shown: FloatArray, free: FloatArray) -> FloatArray | None:
     """Of one part, in its texels; None where the image does not look like the print."""
+    from skimage.registration import phase_cross_correlation
+
     weight = free * np.outer(*(np.hanning(size + 2)[1:-1] for size in free.shape))
     both = [weight * (part - np.average(part, weights=weight)) for part in (drawn, shown)]
     down_right = phase_cross_correlation(
