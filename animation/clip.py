@@ -21,6 +21,19 @@ from motorcade.ga import Motor, Similarity, Versor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
 
 
+def between(keys: FloatArray, times: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """The keys (*) of (K,) at or before times (*) and after them, and fractions (*) of the way.
+
+    Times outside are held at the ends.
+    """
+    if len(keys) == 1:
+        alone = np.zeros(np.shape(times), dtype=np.int64)
+        return alone, alone, np.zeros(np.shape(times))
+    before = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
+    fraction = (times - keys[before]) / (keys[before + 1] - keys[before])
+    return before, before + 1, np.clip(fraction, 0.0, 1.0)
+
+
 @dataclass(frozen=True, eq=False)
 class MorphTarget:
     """What one weight adds to a mesh in its rest pose.
@@ -234,10 +247,7 @@ class Clip:
         if len(self.time_s) == 1:
             return self.poses[np.zeros(wanted.shape, dtype=np.int64)]
         clock = self._clock(wanted)
-        before = np.searchsorted(self.time_s, clock, side="right") - 1
-        before = np.clip(before, 0, len(self.time_s) - 2)
-        fraction = (clock - self.time_s[before]) / np.diff(self.time_s)[before]
-        return _between(self.poses, before, fraction)
+        return _between(self.poses, *between(self.time_s, clock))
 
     def morph_weights(self, time_s: ArrayLike) -> FloatArray | None:
         """Weights of the morph targets (*, W) at times (*); None where they stay at rest.
@@ -257,6 +267,5 @@ class Clip:
         return np.clip(wanted, first, last)
 
 
-def _between(poses: Poses, before: IntArray, fraction: FloatArray) -> Poses:
-    """Poses on the way from samples `before` to those after them."""
-    return poses[before].interpolate(poses[before + 1], fraction[..., None])
+def _between(poses: Poses, before: IntArray, after: IntArray, fraction: FloatArray) -> Poses:
+    return poses[before].interpolate(poses[after], fraction[..., None])

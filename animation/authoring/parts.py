@@ -14,6 +14,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from motorcade.animation.authoring.poses import EulerObjectPose, VersorObjectPose
+from motorcade.animation.clip import between
 from motorcade.animation.easing import FADE_S
 from motorcade.ga import Rotor, Similarity
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_number, checked_positive, frozen
@@ -308,14 +309,11 @@ def between_keyframes(
     clock = checked_floats(time_s, "between_keyframes(time_s)", ())
     at = np.array([one.time_s for one in keys])
     coefficients = np.empty((len(clock), 12))
-    row = np.clip(np.searchsorted(at, clock, side="right") - 1, 0, max(len(at) - 2, 0))
-    for first in np.unique(row):
-        rows = np.flatnonzero(row == first)
-        last = min(first + 1, len(at) - 1)
-        span = max(float(at[last] - at[first]), 1e-12)
-        share = np.clip((clock[rows] - at[first]) / span, 0.0, 1.0)
-        poses = _joined(part, int(first), int(last), share, interpolation or part.interpolation)
-        coefficients[rows] = poses.coefficients
+    before, after, share = between(at, clock)
+    how = interpolation or part.interpolation
+    for first, last in np.unique(np.stack([before, after]), axis=1).T:
+        rows = np.flatnonzero(before == first)
+        coefficients[rows] = _joined(part, int(first), int(last), share[rows], how).coefficients
     return Similarity.normalize(coefficients)
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.blend.methods import BlendMethod, Poses, additive, blend_poses, stacked
-from motorcade.animation.clip import LOOP_TOLERANCE, Clip
+from motorcade.animation.clip import LOOP_TOLERANCE, Clip, between
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor
@@ -205,10 +205,9 @@ class RootMotion:
         first, last = self.time_s[0], self.time_s[-1]
         cycles = np.floor((wanted - first) / (last - first)) if self.repeated else 0.0 * wanted
         clock = np.clip(wanted - cycles * (last - first), first, last)
-        before = np.clip(np.searchsorted(self.time_s, clock, "right") - 1, 0, len(self.time_s) - 2)
-        fraction = (clock - self.time_s[before]) / np.diff(self.time_s)[before]
+        before, after, fraction = between(self.time_s, clock)
         way = self.start_T_now
-        within = way[before].interpolate(way[before + 1], fraction)
+        within = way[before].interpolate(way[after], fraction)
         return Motor.exp(cycles[..., None] * way[-1].log()) @ within
 
 

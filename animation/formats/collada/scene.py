@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from motorcade.animation.clip import between
 from motorcade.animation.formats.collada.library import Element, Library, inputs_of
 from motorcade.animation.formats.limits import (
     MAX_NODES,
@@ -29,7 +30,6 @@ from motorcade.animation.formats.rig.values import (
     NodeTree,
     RigClip,
     Transforms,
-    between,
     great_arc,
     key_times,
     transforms_over,

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.animation.appearance import Material
+from motorcade.animation.clip import between
 from motorcade.animation.formats.limits import (
     MAX_DEPTH,
     MAX_NODES,
@@ -415,19 +416,6 @@ def transforms_over(rest: Transforms, count: int) -> Transforms:
 
 JUMP_S = 1e-6
 """How long before a step its old value is sampled last."""
-
-
-def between(keys: FloatArray, times: FloatArray) -> tuple[np.ndarray, np.ndarray, FloatArray]:
-    """The keys (n,) at or before each time and after it, and the fraction (n,) of the way.
-
-    Times outside are held at the ends.
-    """
-    if len(keys) == 1:
-        alone = np.zeros(len(times), dtype=np.int64)
-        return alone, alone, np.zeros(len(times))
-    before = np.clip(np.searchsorted(keys, times, side="right") - 1, 0, len(keys) - 2)
-    fraction = (times - keys[before]) / (keys[before + 1] - keys[before])
-    return before, before + 1, np.clip(fraction, 0.0, 1.0)
 
 
 def with_times(keys: FloatArray, values: FloatArray, times: FloatArray) -> FloatArray:
