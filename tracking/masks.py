@@ -21,9 +21,10 @@ _BAND = 0.008
 """Half the width of the band about an edge in which the image decides, in image widths."""
 _FADE_PX = 6
 """Over so many pixels the image goes over into what fills a mask."""
-_KEPT_PX, _BETTER, _LEAST, _SOFT_PX = 1.5, 1.2, 2.0, 0.6
+_KEPT_PX, _BETTER, _LEAST, _SOFT_PX, _COARSE = 1.5, 1.2, 2.0, 0.6, 1.5
 """How far the image must move an edge to be followed, how many times as much, and how much more of
-255 a pixel, it must change along the new one, and how soft the edge then is."""
+255 a pixel, it must change along the new one; how soft the edge then is; and over how many times
+the pixels of its edge's rims a coarse mask is soft."""
 
 
 def fill_masked(image: NDArray[np.uint8], mask: GrayImage) -> NDArray[np.uint8]:
@@ -99,11 +100,15 @@ def refine_mask(mask: GrayImage, image: NDArray[np.uint8]) -> GrayImage:
     soft = cv2.GaussianBlur(shown.astype(np.float32), (0, 0), 1.0).reshape(*inside.shape, -1)
     change = np.sqrt(sum(np.sum(part**2, axis=2) for part in np.gradient(soft, axis=(0, 1))))
     along_new, along_given = (_along_edge(change, side, float(band)) for side in (own, inside))
-    better = along_new > _BETTER * along_given + _LEAST
-    moved = ((own != inside) & better & (depth_px + away_px > _KEPT_PX)).astype(np.uint8)
-    moved = cv2.dilate(moved, np.ones((5, 5), np.uint8)) > 0
+    # A mask of fewer pixels than the image has a wide edge, and knows it no better than that.
+    soft_px = np.count_nonzero(np.abs(mask[part] - 127.5) < 127.5 - COUNTS)
+    coarse = soft_px > _COARSE * np.count_nonzero(_edge(inside))
+    better = along_new > (1.0 if coarse else _BETTER) * along_given + _LEAST
+    moved = (own != inside) & better & ((depth_px + away_px > _KEPT_PX) | coarse)
+    moved = cv2.dilate(moved.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    hard = cv2.GaussianBlur(255 * np.where(moved, own, inside), (0, 0), _SOFT_PX)
     refined = mask.copy()
-    refined[part][moved] = cv2.GaussianBlur(255 * own, (0, 0), _SOFT_PX)[moved]
+    refined[part] = np.where(moved | coarse, hard, mask[part])
     return refined
 
 
@@ -111,9 +116,14 @@ def _along_edge(
     values: NDArray[np.float32], side: GrayImage, sigma_px: float
 ) -> NDArray[np.float32]:
     """Mean ``(h, w)`` of values on the edge of a side, close by."""
-    edge = cv2.morphologyEx(side, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)).astype(np.float32)
+    edge = _edge(side).astype(np.float32)
     total, count = (cv2.GaussianBlur(one, (0, 0), sigma_px) for one in (values * edge, edge))
     return np.asarray(total / np.maximum(count, 1e-3), np.float32)
+
+
+def _edge(side: GrayImage) -> GrayImage:
+    """The pixels on both sides of an edge, 1 of 0 and 1."""
+    return np.asarray(cv2.morphologyEx(side, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)))
 
 
 def standing_depth(
