@@ -78,12 +78,19 @@ def figures_seen(
         depths.append(float(np.median(at[:, 2])))
     alone = len(own_m) == 1
     masks = [alpha] if alone else [_mask(px[inside], alpha.shape, window) for px, inside in pixels]
-    free = np.ones(alpha.shape, dtype=bool)
-    counted: dict[int, tuple[float, float]] = {}
-    for k in np.argsort(depths):
-        mask = masks[k] if alone else masks[k] * (alpha > 0.0)
-        counted[int(k)] = float(mask.sum()), float((seen * free)[mask > 0.0].sum())
-        free &= ~(mask > 0.0) | alone
+    order = np.argsort(depths)
+    # A pixel is the nearest one's of those that lie around it, else of the next to it.
+    apart = [
+        cv2.distanceTransform((masks[k] == 0.0).astype(np.uint8), cv2.DIST_L2, 3) for k in order
+    ]
+    whose = order[np.argmin(apart, axis=0)]
+    counted = [
+        (
+            float(alpha[whose == k].sum() + mask[(whose != k) & (alpha > 0.0)].sum()),
+            float(seen[whose == k].sum()),
+        )
+        for k, mask in enumerate(masks)
+    ]
     return tuple(
         FigureSeen(
             *counted[k],

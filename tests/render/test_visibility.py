@@ -15,6 +15,7 @@ from motorcade.render.composite import Matching
 from motorcade.render.visibility import FigureSeen
 from motorcade.replays.stages.view.figure_checks import check_figure
 from motorcade.tracking.cameras.camera import Camera
+from tests.end_to_end.film_account import draw_account
 
 pytestmark = pytest.mark.usefixtures("opengl")
 
@@ -129,3 +130,11 @@ def test_one_behind_the_camera_or_far_is_named(who):
         shown = seen(performer)[1][0]
         account = check_figure("who", performer, [shown] * len(time_ns), time_ns)
         assert any(words in doubt for doubt in account.doubts(CAMERA.height))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hidden_by", ["nothing", "wall"])
+def test_of_two_that_stand_before_one_another_each_pixel_is_counted_once(hidden_by: str) -> None:
+    rng = np.random.default_rng(9)
+    for account in draw_account(rng, 2, hidden_by):
+        assert account.off == []
