@@ -5,10 +5,10 @@ NumPy source, written out in plain multivectors, and as kingdon and clifford hav
 installed is named. All give the same numbers before they are timed. For the motor log and exp a
 joint is timed as generated C and as the library's kernel.
 
-The target ``c``, one call at a time, is measured in one run and with the same flags beside GLM, Eigen,
-klein, libvsr and Gaalop's C by ``python -m tests.bench.algebra.plain_c --peers FOLDER``: composition,
-inversion, points, planes, lines, log, exp, interpolation and blend in both precisions, as ratios. The
-folder holds checkouts of those that no package has; what the compiler does not find is named.
+The target ``c``, one call at a time, is measured in one run and with the same flags beside GLM,
+Eigen, klein, libvsr and Gaalop's C by ``python -m tests.bench.algebra.plain_c --peers FOLDER``:
+composition, inversion, points, planes, lines, log, exp, interpolation and blend in both precisions,
+as ratios. The folder holds checkouts of what no package has; what is not found is named.
 """
 
 from __future__ import annotations

@@ -83,7 +83,7 @@ def measured(precision: str, peers: Path | None, passes: list[str]) -> list[tupl
         kernels.write_text(kernels_of(precision, passes), encoding="utf-8")
         single = precision == "float32"
         options = [f"-DREAL={'float' if single else 'double'}", f'-DKERNELS="{kernels}"']
-        options += ["-DSINGLE"] if single else ["-DVSR_PRECISION=double"]
+        options += ["-DSINGLE"] if single else ["-DVSR_PRECISION_DOUBLE"]
         if peers is not None:
             options += [f"-I{peers / name}" for name in INCLUDES if (peers / name).is_dir()]
             gaalop = peers / "gaalop" / f"{precision}.c"
