@@ -17,10 +17,14 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.averages import Windows, polynomial_at_centre, weighted_vectors
 from motorcade.fusion.smoothing.checks import checked_length
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS
-from motorcade.fusion.smoothing.window import shifted_windows
+from motorcade.fusion.smoothing.window import (
+    Windows,
+    polynomial_at_centre,
+    shifted_windows,
+    weighted_vectors,
+)
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.motion import twist_bracket

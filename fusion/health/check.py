@@ -11,12 +11,16 @@ from motorcade.fusion.health.accelerometer import (
     FORCE_UNITS,
     ForceTrial,
     ForceVerdict,
+    Pushes,
 )
 from motorcade.fusion.health.gyroscope import (
     LAG_TOLERANCE_S,
     RATE_UNITS,
+    CameraRates,
     RateVerdict,
+    TurnedAngle,
     judge_rates,
+    steady,
 )
 from motorcade.fusion.health.models import (
     SIGMAS,
@@ -26,12 +30,12 @@ from motorcade.fusion.health.models import (
     Model,
     same_turns,
 )
-from motorcade.fusion.health.pushing import Pushes
 from motorcade.fusion.health.readings import check_stamps, find_stuck_axes
-from motorcade.fusion.health.turning import CameraRates, TurnedAngle, steady
-from motorcade.fusion.health.verdict import FaultName, Health, HealthFinding
-from motorcade.fusion.health.wording import (
+from motorcade.fusion.health.verdict import (
     POSES_INVERTED,
+    FaultName,
+    Health,
+    HealthFinding,
     bias_lines,
     bias_step_line,
     delay_line,
@@ -302,11 +306,8 @@ class Story:
 
 
 def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[Story]:
-    """One story, or two that no measurement can tell apart.
-
-    Args:
-        rates: the gyroscope's verdict alone.
-        trial: the accelerometer's evidence.
+    """One story, by the gyroscope's verdict alone and the accelerometer's evidence, or two that no
+    measurement can tell apart.
     """
     verdicts = [rates]
     if rates.state == "named" and rates.axes is not None and len(rates.axes.rivals) > 1:
@@ -317,12 +318,7 @@ def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[Story]:
 
 
 def count_faults(model: Model, of_forces: FloatArray) -> int:
-    """How many things went wrong at least.
-
-    Args:
-        model: how the extrinsics are to be read, and the gyroscope's axes ``(3, 3)``.
-        of_forces: the accelerometer's ``(3, 3)``.
-    """
+    """How many things went wrong at least, by the extrinsics and the axes ``(3, 3)`` of both."""
     base, of_rates = model
     changed = [not np.array_equal(axes, np.eye(3)) for axes in (of_rates, of_forces)]
     # One frame for both: in a left-handed one rates turn the other way round.

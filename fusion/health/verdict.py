@@ -1,9 +1,19 @@
-"""What is wrong with an inertial recording, one line each, and what cannot be told of it."""
+"""What is wrong with an inertial recording, a line each, and what cannot be told; and the lines."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
+
+import numpy as np
+
+from motorcade.fusion.health.accelerometer import ForceVerdict
+from motorcade.fusion.health.gyroscope import LONGEST_STEP_S, RateVerdict
+from motorcade.fusion.health.models import AxesVerdict, order_of
+from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
+from motorcade.ga import Rotor
+from motorcade.ga.arrays import FloatArray
 
 FaultName = Literal[
     "measurements_refused",
@@ -114,3 +124,249 @@ class Health:
             "findings": [asdict(one) for one in self.findings],
             "unknown": list(self.unknown),
         }
+
+
+# One line a fault: what was found, and what mends it.
+
+_LENGTHS = {
+    "centimetres": 100.0,
+    "millimetres": 1e3,
+    "inches": 1.0 / 0.0254,
+    "feet": 1.0 / 0.3048,
+    "kilometres": 1e-3,
+}  # of a metre
+_BEYOND = 4.0  # deviations of what is known of a bias
+
+
+POSES_INVERTED = (
+    "the poses are the wrong way round: those of the world seen from the camera agree with the "
+    "gyroscope; give the camera's in the world, which are their inverses"
+)
+
+
+def drift_line(share: float) -> str:
+    """Of a clock that runs at another rate, by the change of the offset a second."""
+    return (
+        f"the IMU's clock runs {abs(100.0 * share):.2g} % {'fast' if share > 0.0 else 'slow'} "
+        "beside the poses': stamp both by one clock, or scale its stamps about the first"
+    )
+
+
+def bias_step_line(step_rad_s: FloatArray) -> str:
+    """Of a bias in the second half of a recording that is not that of the first."""
+    return (
+        f"the gyroscope's bias changes by {_three(step_rad_s)} rad/s from the recording's first "
+        "half to its second: leave one of them out, or record anew once it is warm"
+    )
+
+
+def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
+    """Of readings in another unit."""
+    unit = units.get(multiple)
+    expected = {"gyroscope": "radians a second", "accelerometer": "m/s²"}[sensor]
+    called = f"reads {unit}" if unit is not None else "has another unit or scale"
+    return (
+        f"the {sensor} {called}, where {expected} are expected: multiply its readings by "
+        f"{multiple:.6g}"
+    )
+
+
+def position_line(scale: float) -> str:
+    """Of positions that are no metres."""
+    unit = next((name for name, size in _LENGTHS.items() if abs(scale / size - 1.0) < 0.1), None)
+    what = f"are in {unit}" if unit else f"are {scale:.3g} times as large as metres"
+    mend = 1.0 / (_LENGTHS[unit] if unit else scale)
+    return f"positions {what} by the accelerometer: multiply them by {mend:.4g}"
+
+
+def scale_line(sensor: str, scales: tuple[float, float, float]) -> str:
+    """Of axes whose scale is not that of the others."""
+    lines = [
+        f"the {sensor}'s {axis} reads {1.0 / scale:.3g} times what the camera turns: multiply "
+        f"it by {scale:.3g}"
+        for axis, scale in zip("xyz", scales, strict=True)
+        if scale != 1.0
+    ]
+    return "; ".join(lines)
+
+
+def size_line(share: float, gravity_m_s2: float) -> str:
+    """Of an accelerometer that reads another gravity, by its scale or a bias."""
+    return (
+        f"the accelerometer reads {share:.3g} times gravity throughout: multiply it by "
+        f"{1.0 / share:.3g}, or subtract the bias of {(share - 1.0) * gravity_m_s2:.2g} m/s² along "
+        "gravity that looks the same here; at rest on all six sides it tells which"
+    )
+
+
+def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:
+    """Of a left-handed frame, in which rates turn the other way round."""
+    line = (
+        "the IMU's axes are left-handed: put the accelerometer's readings as "
+        f"{order_of(of_forces.permutation)} and the gyroscope's as {order_of(of_rates.permutation)}"
+        " for (x, y, z)"
+    )
+    return HealthFinding("axes", line)
+
+
+def inverted_line() -> HealthFinding:
+    """Of extrinsics that are those of the IMU on the camera."""
+    line = "imu_T_camera is the wrong way round (transposed): give its inverse"
+    return HealthFinding("extrinsics_inverted", line)
+
+
+def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
+    """Of what both sensors have in common: the order of the axes, or a turn of the extrinsics."""
+    findings: list[HealthFinding] = []
+    turned = not np.allclose(axes.turn, np.eye(3))
+    if turned and np.linalg.det(axes.permutation) < 0.0:
+        line = (
+            "the IMU's axes are left-handed: negate all three of each sensor, or the one that is "
+            "wrong, or swap two"
+        )
+        return [*findings, HealthFinding("axes", line)]
+    if not np.allclose(axes.permutation, np.eye(3)):
+        findings.append(HealthFinding("axes", _order("the IMU's axes are", axes)))
+    if turned:
+        # True readings, in the axes that the extrinsics speak of, are turn @ readings.
+        vector = Rotor.from_matrix(axes.turn).inverse().as_rotation_vector()
+        line = (
+            f"imu_T_camera is turned by {np.rad2deg(axes.turn_rad):.0f}°: put the rotation vector "
+            f"{_degrees(vector)}, in the IMU's axes, before its rotation, or estimate it anew"
+        )
+        findings.append(HealthFinding("extrinsics_turned", line))
+    return findings
+
+
+def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
+    """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
+    kind = {"gyroscope": "rate", "accelerometer": "force"}[sensor]
+    mirrored = np.linalg.det(axes.permutation) < 0.0
+    if mirrored and not np.allclose(axes.turn, np.eye(3)):
+        line = (
+            f"the {sensor}'s axes are left-handed: negate all three, or the one that is wrong, or "
+            "swap two"
+        )
+        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
+    if not np.allclose(axes.turn, np.eye(3)):
+        vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
+        line = (
+            f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
+            f"sensor's: turn its readings by the rotation vector {_degrees(vector)}"
+        )
+        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
+    if np.array_equal(axes.permutation, -np.eye(3)):
+        line = f"the {sensor}'s sign is wrong: negate its three axes"
+        return HealthFinding("rate_sign" if kind == "rate" else "force_sign", line)
+    line = _order(f"the {sensor}'s axes are", axes)
+    return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
+
+
+def tell_both(stories: list[list[HealthFinding]]) -> list[HealthFinding]:
+    """What is told of axes, in one line where a second story explains all as well."""
+    if len(stories) == 1 or not all(stories):
+        return stories[0]
+    lines = [" and ".join(one.summary for one in story) for story in stories]
+    line = "either " + ", or ".join(lines) + " (no measurement tells which)"
+    return [HealthFinding(stories[0][0].fault, line, instead=stories[1][0].fault)]
+
+
+def delay_line(rates: RateVerdict) -> str:
+    """Of stamps that are off."""
+    late = "late" if rates.lag_s > 0.0 else "early"
+    return (
+        f"the IMU's stamps are {abs(rates.lag_s):.3f} s {late} beside the poses': add "
+        f"{rates.lag_s:.3f} s to time_offset_s (± {rates.lag_sigma_s:.3f} s)"
+    )
+
+
+def gravity_line(forces: ForceVerdict, stated_m_s2: float, fault: str) -> str:
+    """Of another gravity, or of a world that leans."""
+    gravity = forces.gravity_m_s2
+    size = float(np.linalg.norm(gravity))
+    if fault == "gravity":
+        return (
+            f"gravity is {size:.2f} m/s² here, where {stated_m_s2:g} was stated: set gravity_m_s2 "
+            "to it, or scale the accelerometer"
+        )
+    lean = float(np.rad2deg(np.arccos(np.clip(-gravity[2] / size, -1.0, 1.0))))
+    return (
+        f"the world's z is {lean:.0f}° from up: level the poses, or set gravity_sigma_rad to at "
+        "least that"
+    )
+
+
+def unrelated_line(rates: RateVerdict, search_s: float) -> str:
+    """Of an IMU that moved otherwise than the camera."""
+    return (
+        f"the IMU did not move with the camera: it turns by {rates.read_rad_s:.2g} rad/s an axis, "
+        f"the camera by {rates.turned_rad_s:.2g}, but not together at any offset within "
+        f"{search_s:g} s: give the IMU of the same recording"
+    )
+
+
+def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
+    """Of biases far beyond what is known of them, and of readings that nothing explains."""
+    findings = []
+    if rates.state == "unexplained":
+        if np.max(np.abs(rates.bias_rad_s)) > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
+            line = f"the gyroscope reads {_three(rates.bias_rad_s)} rad/s at rest: subtract it"
+            findings.append(HealthFinding("rate_bias", line))
+        else:
+            line = (
+                "the gyroscope agrees with the camera only in part, and no unit, sign, order of "
+                "axes, rotation or offset mends it"
+            )
+            findings.append(HealthFinding("rate_unexplained", line))
+    if forces.state == "unexplained":
+        if np.max(np.abs(forces.bias_m_s2)) > _BEYOND * ACCEL_BIAS_SIGMA_M_S2:
+            line = (
+                f"the accelerometer is off by {_three(forces.bias_m_s2)} m/s² in the camera's axes,"
+                f" where {ACCEL_BIAS_SIGMA_M_S2:g} are usual: calibrate it"
+            )
+            findings.append(HealthFinding("force_bias", line))
+        else:
+            line = (
+                "the accelerometer contradicts the path, and no unit, sign, order of axes, "
+                "rotation or gravity mends it"
+            )
+            findings.append(HealthFinding("force_unexplained", line))
+    return findings
+
+
+def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
+    """What the motion does not tell."""
+    lines = []
+    if rates.state == "unknown":
+        why = "the camera turns too little"
+        if rates.axes is None:
+            why = f"too few poses less than {LONGEST_STEP_S:g} s apart"
+        lines.append(f"cannot tell the gyroscope's unit, sign and axes: {why}")
+    elif rates.axes is not None and rates.explained and rates.axes.blurred:
+        axes = " and ".join(rates.axes.blurred)
+        lines.append(f"cannot tell the gyroscope's {axes}: the camera hardly turns about it")
+    if forces.state == "unknown":
+        lines.append(
+            "cannot tell the accelerometer's unit, sign and axes: too few seconds of poses less "
+            f"than {LONGEST_STEP_S:g} s apart"
+        )
+    elif forces.axes is not None and forces.state != "unexplained" and forces.axes.blurred:
+        axes = " and ".join(forces.axes.blurred)
+        lines.append(f"cannot tell the accelerometer's {axes}: the motion hardly changes them")
+    return tuple(lines)
+
+
+def _order(opening: str, axes: AxesVerdict) -> str:
+    handed = "left-handed" if np.linalg.det(axes.permutation) < 0.0 else "in another order"
+    return (
+        f"{opening} {handed} as they come: put the readings as {order_of(axes.permutation)} for "
+        "(x, y, z)"
+    )
+
+
+def _degrees(vector_rad: FloatArray) -> str:
+    return _three(np.rad2deg(vector_rad)) + "°"
+
+
+def _three(values: FloatArray) -> str:
+    return "(" + ", ".join(f"{one:.3g}" for one in values) + ")"

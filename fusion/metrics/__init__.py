@@ -47,14 +47,16 @@ from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import (
     Align,
     Alignment,
+    Pairs,
     Plane,
     align,
     align_heading,
     alignment_of,
+    associate,
+    cropped,
     folded,
     projected,
 )
-from motorcade.fusion.metrics.poses.association import Pairs, associate, cropped
 from motorcade.fusion.metrics.poses.pose_error import (
     Statistics,
     absolute_translation_m,

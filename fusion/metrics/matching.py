@@ -14,16 +14,14 @@ import numpy as np
 from motorcade.fusion.metrics.poses.alignment import (
     Align,
     Alignment,
+    Pairs,
     Plane,
     alignment_of,
-    folded,
-    projected,
-)
-from motorcade.fusion.metrics.poses.association import (
-    Pairs,
     associate,
     checked_offset_ns,
     cropped,
+    folded,
+    projected,
 )
 from motorcade.fusion.metrics.poses.pose_error import log_scales, without_scale
 from motorcade.ga import Motor, Trajectory

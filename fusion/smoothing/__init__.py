@@ -31,8 +31,11 @@ from motorcade.fusion.smoothing.causal import (
 from motorcade.fusion.smoothing.curve import PathCurve
 from motorcade.fusion.smoothing.live import LiveSmoother
 from motorcade.fusion.smoothing.methods import METHODS, method_parameters, smooth
-from motorcade.fusion.smoothing.representation import Representation
-from motorcade.fusion.smoothing.representations import REPRESENTATION_NAMES, REPRESENTATIONS
+from motorcade.fusion.smoothing.representations import (
+    REPRESENTATION_NAMES,
+    REPRESENTATIONS,
+    Representation,
+)
 from motorcade.fusion.smoothing.results import SmoothingResult
 from motorcade.fusion.smoothing.window import automatic_window_s
 

@@ -19,14 +19,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.health.check import check_health
-from motorcade.fusion.health.readings import check_stamps
-from motorcade.fusion.health.turning import (
+from motorcade.fusion.health.gyroscope import (
     LEAST_OVERLAP_S,
     CameraRates,
     TurnedAngle,
     integrated_rate,
     norm_correlations,
 )
+from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, ImuStream

@@ -10,6 +10,7 @@ fair rival, as it bends with the motion.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 from itertools import pairwise
 from typing import Literal
 
@@ -24,8 +25,8 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.prediction import held_out, judged_stamps, surely_grown
 from motorcade.fusion.smoothing import PathCurve
-from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga import Motor, Similarity
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.errors import NOT_COMPARED, StageComparison
@@ -54,8 +55,13 @@ def compared_by_truth(
     truth = recording.truth
     if truth is None:
         raise ValueError(f"{recording.name}: expected a ground truth to judge by, got none")
-    paths = _paths(camera_poses, fused, smoothed)
-    common = _common(paths)
+    paths = {
+        "camera_poses": camera_poses.measurements.trajectory,
+        "fused": fused.trajectory,
+        "smoothed": next(iter(smoothed.trajectories.values())),  # which is drawn along
+    }
+    # All are measured ones, so that no path is judged where it bridges.
+    common = reduce(np.intersect1d, [path.time_ns for path in paths.values()])
     errors: Errors = {}
     for name, path in paths.items():
         pairs = associate(path[np.isin(path.time_ns, common)], truth)
@@ -89,26 +95,6 @@ def compared_by_held_out(
     errors = {name: (m[good], deg[good]) for name, (m, deg) in errors.items()}
     unit = "m" if camera_poses.metric else "units"
     return _compared("held-out poses", errors, fused, unit)
-
-
-def _paths(
-    camera_poses: CameraPoses, fused: FusedPath, smoothed: SmoothedPaths
-) -> dict[str, Trajectory]:
-    """By the stage that made it; of the smoothed ones the first, which is drawn along."""
-    return {
-        "camera_poses": camera_poses.measurements.trajectory,
-        "fused": fused.trajectory,
-        "smoothed": next(iter(smoothed.trajectories.values())),
-    }
-
-
-def _common(paths: dict[str, Trajectory]) -> IntArray:
-    """Stamps of all paths; only of measured ones, so that no path is judged where it bridges."""
-    stamps = [path.time_ns for path in paths.values()]
-    shared = stamps[0]
-    for path_stamps in stamps[1:]:
-        shared = np.intersect1d(shared, path_stamps)
-    return shared
 
 
 def _apart(

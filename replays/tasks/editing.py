@@ -30,8 +30,7 @@ from motorcade.fusion.metrics import (
     cropped,
     relative_errors,
 )
-from motorcade.fusion.metrics.poses.alignment import folded, projected
-from motorcade.fusion.metrics.poses.association import checked_offset_ns
+from motorcade.fusion.metrics.poses.alignment import checked_offset_ns, folded, projected
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.stamps import GAP_STEPS, inside_gaps, near_steps

@@ -22,8 +22,7 @@ from motorcade.fusion.measurements import (
     PositionMeasurements,
     RelativePoseMeasurements,
 )
-from motorcade.fusion.metrics.poses.alignment import align_heading
-from motorcade.fusion.metrics.poses.association import Pairs
+from motorcade.fusion.metrics.poses.alignment import Pairs, align_heading
 from motorcade.fusion.smoothing import choose
 from motorcade.fusion.smoothing.batch.inliers import first_sizes
 from motorcade.fusion.sync import synchronise

@@ -5,14 +5,16 @@ the motion; what differs is how an error of the state is written as 15 numbers, 
 does and what the covariance means.
 """
 
-from motorcade.fusion.filter.comparison.batched import Estimates, Runs, filter_runs
-from motorcade.fusion.filter.comparison.coordinates import (
+from motorcade.fusion.filter.comparison.batched import (
     ErrorCoordinates,
+    Estimates,
     EulerErrors,
     ExactEulerErrors,
     ExtendedPoseErrors,
     QuaternionTranslationErrors,
+    Runs,
     RunStates,
+    filter_runs,
 )
 
 __all__ = [

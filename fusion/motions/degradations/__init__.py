@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.motions.degradations.poses import (
+from motorcade.fusion.motions.degradations.kinds import (
+    Blackouts,
     Degradation,
+    DroppedFrames,
     Gaussian,
     InTurn,
+    Latency,
     Outliers,
     PlanarFlips,
     Quantised,
-    wrong_planar_pose,
-)
-from motorcade.fusion.motions.degradations.stamps import (
-    Blackouts,
-    DroppedFrames,
-    Latency,
     StampJitter,
+    wrong_planar_pose,
 )
 
 __all__ = [

@@ -373,13 +373,8 @@ def with_lasting_errors(
     ends: Sequence[int],
     known: FloatArray,
 ) -> list[ColumnModel]:
-    """The models of columns, with errors that last where these are likelier.
-
-    Args:
-        segments: of the path.
-        chosen: models with white errors, a column each.
-        ends: of the groups of columns whose errors have one memory.
-        known: ``(K,)`` deviations that are given, NaN where they are not: given errors are white.
+    """The models of columns, with errors that last where these are likelier, and one memory in each
+    group of columns; errors whose deviations ``(K,)`` are known are white.
     """
     models = [one.model for one in chosen]
     interval_s = float(np.median(np.diff(segments[0].time_s)))

@@ -27,7 +27,7 @@ from motorcade.fusion.smoothing.causal.kalman import (
     ConstantVelocityFilter,
     smoothed_states,
 )
-from motorcade.fusion.smoothing.representation import Representation
+from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 

@@ -13,7 +13,8 @@ from motorcade.fusion.smoothing.causal.kalman import (
     rts_constant_velocity,
     smoothed_states,
 )
-from motorcade.fusion.smoothing.causal.low_pass import (
+from motorcade.fusion.smoothing.causal.stream import (
+    CausalFilter,
     DoubleExponential,
     Exponential,
     OneEuro,
@@ -21,7 +22,6 @@ from motorcade.fusion.smoothing.causal.low_pass import (
     exponential,
     one_euro,
 )
-from motorcade.fusion.smoothing.causal.stream import CausalFilter
 
 __all__ = [
     "CausalFilter",

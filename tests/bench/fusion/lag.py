@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from motorcade.fusion.filter import Fused, fuse
-from motorcade.fusion.filter.findings import LAGS_S
+from motorcade.fusion.filter.fused import LAGS_S
 from motorcade.fusion.metrics import absolute_translation_m, rotation_rad
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements

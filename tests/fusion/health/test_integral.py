@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from motorcade.fusion.health import turning
-from motorcade.fusion.health.turning import RunningIntegral
+from motorcade.fusion.health.gyroscope import RunningIntegral
 from motorcade.ga.arrays import FloatArray, IntArray
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from motorcade.fusion import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.health import check_health
-from motorcade.fusion.health.turning import TurnedAngle, steady
+from motorcade.fusion.health.gyroscope import TurnedAngle, steady
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor
 from motorcade.replays.io.imu import read_imu
