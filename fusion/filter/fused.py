@@ -1,4 +1,4 @@
-"""`Fused`, a fused path with what is known along it and found beside it; segments that are fused."""
+"""`Fused`, a fused path with what is known along it and found beside it; what is fused at once."""
 
 from __future__ import annotations
 
