@@ -55,6 +55,15 @@ template <std::size_t N> struct Hypothesis {
         return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
     }
 
+    // Whether it explains more measurements of all, with as few jumps, and predicts none worse.
+    bool explains_more(const Hypothesis &other, double refused) const {
+        const auto explained = [](const Hypothesis &one) {
+            return std::count(one.believed.begin(), one.believed.end(), true);
+        };
+        return doubts.size() <= other.doubts.size() && explained(*this) > explained(other) &&
+               other.gain(*this, std::max(since, other.since)) <= refused;
+    }
+
     // Whether this later start, or with more apart, is to be preferred: never with more jumps of
     // the map; with as many, where all is predicted better although poses before it count as wrong,
     // or no worse with less apart; with fewer, where those after it are, or are no worse where what

@@ -32,8 +32,13 @@ public:
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
-        Hypothesis<N> best = weigh_all();
-        bool other_tried = !given_up.empty() && try_starts(best, this->starts_, false);
+        Hypothesis<N> best = weigh_all(), spanned = best;
+        bool other_tried = !given_up.empty() && !this->starts_.empty();
+        if (other_tried) {
+            for (auto open = spans(steps()); take_best(spanned, open);) continue;
+            try_starts(best, this->starts_, false);
+            if (spanned.explains_more(best, refused())) remake(best = spanned);
+        }
         const std::vector<Step> found = steps();
         for (auto open = spans(found); take_best(best, open);) continue;
         std::vector<std::size_t> starts;
@@ -100,26 +105,39 @@ protected:
         return true;
     }
 
-    // Whether what predicts best without one of the spans is better, which is then taken over; that
-    // span and those that it touches are no longer open.
+    // Whether what is best of those without one of the spans is better, which is then taken over;
+    // that span and those that it touches are no longer open.
     bool take_best(Hypothesis<N> &best, std::vector<Span> &open) {
         Hypothesis<N> found;
         Span without_it;
-        double most = 0.0;
+        bool tried = false;
         for (const Span &span : open) {
             Hypothesis<N> other = without(best, span.first, span.second);
-            const double gain = other.gain(best, best.since);
-            if (gain <= most || other.more_explained(best, 0) < 0 || !other.better(best, refused()))
+            if (!other.better(tried ? found : best, refused()) || !off_at_ends(other, span))
                 continue;
-            most = gain, without_it = span, found = std::move(other);
+            tried = true, without_it = span, found = std::move(other);
         }
-        if (most == 0.0) return false;
+        if (!tried) return false;
         best = std::move(found);
         const auto touched = [&](const Span &one) {
             return one.first <= without_it.second && one.second >= without_it.first;
         };
         open.erase(std::remove_if(open.begin(), open.end(), touched), open.end());
         return !open.empty();
+    }
+
+    // Whether most poses next to both ends of a span are off where all others lead. Where they are
+    // not the path does not step, and it takes no map of their own to explain them.
+    bool off_at_ends(const Hypothesis<N> &without, const Span &span) const {
+        const double most = prediction_cost(this->settings_.gate[6], 6.0);
+        std::vector<bool> off;
+        for (std::size_t k = span.first; k < span.second; ++k)
+            if (this->events_[k].from_pose()) off.push_back(without.cost[k] > most);
+        const auto near = static_cast<std::ptrdiff_t>(std::min(off.size(), beside + 1));
+        const auto usually = [&](auto first) {
+            return 2 * std::count(first, first + near, true) > near;
+        };
+        return usually(off.begin()) && (span.second == this->next_ || usually(off.rbegin()));
     }
 
     // An event just before which the pose seems to step, as a normalised square.
@@ -156,13 +174,14 @@ protected:
         return made;
     }
 
-    // Whether as many poses before or from one on are refused, where those across are not.
+    // Whether as many poses before or from one on, or all to the end, are refused, where those
+    // across are not.
     bool run_ends(const std::vector<std::size_t> &poses, std::size_t i) const {
         const auto wrong = [&](std::size_t k) { return this->events_[poses[k]].factor == 0.0; };
         if (wrong(i) == wrong(i - 1)) return false;
         const std::size_t first = wrong(i) ? i : i - std::min(i, enough_hits);
         const std::size_t last = wrong(i) ? std::min(i + enough_hits, poses.size()) : i;
-        bool all = last - first == enough_hits;
+        bool all = last - first == enough_hits || first == 0 || last == poses.size();
         for (std::size_t k = first; k < last; ++k) all &= wrong(k);
         return all;
     }

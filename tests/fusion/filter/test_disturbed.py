@@ -70,6 +70,9 @@ def test_what_is_wrong_leaves_no_trace(record: Callable[..., Run], rng, how: str
         (4, 32, 7.8, 3.2),
         (82, 30, 0.13, 4.3),
         (130, 50, 0.13, 1.1),
+        (51, 51, 0.32, 1.2),
+        (58, 52, 0.27, 2.5),
+        (64, 49, 0.24, 1.7),
     ],
 )
 def test_a_span_wrong_together_leaves_no_trace_outside_it(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from motorcade.fusion.health import turning
+from motorcade.fusion.health import gyroscope
 from motorcade.fusion.health.gyroscope import RunningIntegral
 from motorcade.ga.arrays import FloatArray, IntArray
 
@@ -22,8 +22,8 @@ def test_it_is_the_trapezoids_sum_and_a_line_between_samples(
 ) -> None:
     stamps, values = _readings(count)
     if not all_kept:
-        monkeypatch.setattr(turning, "_ALL_KEPT", 1)
-    monkeypatch.setattr(turning, "_BLOCK", 64)
+        monkeypatch.setattr(gyroscope, "_ALL_KEPT", 1)
+    monkeypatch.setattr(gyroscope, "_BLOCK", 64)
     seconds = (stamps - stamps[0]) * 1e-9
     sums = cumulative_trapezoid(values, seconds, axis=0, initial=0.0)
     found = RunningIntegral(stamps, values)
@@ -43,6 +43,6 @@ def test_sums_between_those_kept_are_the_same_to_the_last_bit(
 ) -> None:
     stamps, values = _readings(300)
     each = RunningIntegral(stamps, values).at(stamps)
-    monkeypatch.setattr(turning, "_ALL_KEPT", 1)
-    monkeypatch.setattr(turning, "_BLOCK", 64)
+    monkeypatch.setattr(gyroscope, "_ALL_KEPT", 1)
+    monkeypatch.setattr(gyroscope, "_BLOCK", 64)
     assert np.array_equal(RunningIntegral(stamps, values).at(stamps), each)
