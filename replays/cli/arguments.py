@@ -7,7 +7,10 @@ import json
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from motorcade.replays.studio.serving import Listening
 
 Command = Callable[[argparse.Namespace], None]
 Options = argparse._ActionsContainer  # a parser, or a group of its options
@@ -88,6 +91,24 @@ def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "")
         help=f"{where}local, processes (one a core), processes:4, or the address of a Dask "
         f"scheduler such as tcp://host:8786 ({default})",
     )
+
+
+def add_server(parser: argparse.ArgumentParser) -> None:
+    """What is said of the server of a page."""
+    parser.add_argument("--lan", action="store_true", help="let the network in, by a link")
+    parser.add_argument("--port", type=int, default=0, metavar="N", help="listen there (any free)")
+    parser.add_argument(
+        "--tls", type=Path, nargs=2, metavar=("CERT", "KEY"), help="serve by https, with these"
+    )
+    parser.add_argument("--no-open", action="store_true", help="print the link, open no browser")
+
+
+def listening_of(arguments: argparse.Namespace) -> Listening:
+    """Where `add_server`'s options say to listen. Raises ModuleNotFoundError without `[studio]`."""
+    from motorcade.replays.studio.serving import Listening
+
+    tls = None if arguments.tls is None else (arguments.tls[0], arguments.tls[1])
+    return Listening(arguments.lan, arguments.port, tls)
 
 
 def add_seed(parser: argparse.ArgumentParser, default: int | None, what: str) -> None:

@@ -12,6 +12,8 @@ from motorcade.replays.cli.arguments import (
     add_file,
     add_flag,
     add_number,
+    add_server,
+    listening_of,
 )
 
 DESCRIPTION = """\
@@ -49,7 +51,8 @@ def add_author(commands: Commands) -> None:
     )
     parser.description = DESCRIPTION
     add_file(parser, "scene", "a run's folder, a folder of runs, or a scene (JSON)", "RUN|SCENE")
-    _add_server(parser)
+    add_file(parser, "--run", "of a SCENE that lies elsewhere", "RUN")
+    add_server(parser)
     add_file(parser, "--gestures", "replay these drags and edits on SCENE")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="write the scene there")
     add_choice(parser, "--rotations", ("rotor", "euler"), "how rotations are held (rotor)", "rotor")
@@ -60,29 +63,19 @@ def add_author(commands: Commands) -> None:
     add_flag(parser, "--json", "print figures as JSON")
 
 
-def _add_server(parser: argparse.ArgumentParser) -> None:
-    """What is said of the server."""
-    add_file(parser, "--run", "of a SCENE that lies elsewhere", "RUN")
-    add_flag(parser, "--lan", "let the network in, by a link")
-    parser.add_argument("--port", type=int, default=0, metavar="N", help="listen there (any free)")
-    add_file(parser, "--tls", "serve by https, with these", ("CERT", "KEY"), nargs=2)
-    add_flag(parser, "--no-open", "print the link, open no browser")
-
-
 def _serve(arguments: argparse.Namespace) -> None:
     """Serve the editor until it is stopped."""
     try:
         from motorcade.ga.progress import log_stages
         from motorcade.replays.studio.app import studio_app
         from motorcade.replays.studio.desk import offered, ready
-        from motorcade.replays.studio.serving import Listening, serve
+        from motorcade.replays.studio.serving import serve
     except ModuleNotFoundError as missing:
         raise RuntimeError(
             f"editing in the browser needs the Python package {missing.name}, which is not "
             'installed; pip install "motorcade[studio]" brings it, or replay with --gestures'
         ) from missing
-    tls = None if arguments.tls is None else (arguments.tls[0], arguments.tls[1])
-    listening = Listening(arguments.lan, arguments.port, tls)
+    listening = listening_of(arguments)
     opens = not arguments.no_open
     with log_stages() as lines:
         offers = offered(arguments.scene, arguments.run)

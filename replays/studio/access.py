@@ -206,6 +206,7 @@ class MessageRate:
 
     Args:
         clock: seconds that only grow.
+        a_second, at_once: how many are taken in the long run, and of a burst.
 
     >>> from motorcade.replays.studio.access import MessageRate
     >>> still = MessageRate(clock=lambda: 0.0)
@@ -214,15 +215,17 @@ class MessageRate:
     """
 
     clock: Callable[[], float] = time.monotonic
+    a_second: float = MESSAGES_A_SECOND
+    at_once: float = MESSAGES_AT_ONCE
 
     def __post_init__(self) -> None:
-        self._left, self._seen_s = MESSAGES_AT_ONCE, self.clock()
+        self._left, self._seen_s = self.at_once, self.clock()
 
     def takes(self) -> bool:
         """Whether one more is within the rate."""
         now = self.clock()
-        grown = self._left + (now - self._seen_s) * MESSAGES_A_SECOND
-        self._left, self._seen_s = min(MESSAGES_AT_ONCE, grown), now
+        grown = self._left + (now - self._seen_s) * self.a_second
+        self._left, self._seen_s = min(self.at_once, grown), now
         if self._left < 1.0:
             return False
         self._left -= 1.0

@@ -30,7 +30,6 @@ from motorcade.replays.studio.visitors import Visitors
 from motorcade.replays.web.page import WEB
 
 if TYPE_CHECKING:
-    from jinja2 import Template
     from starlette.types import ASGIApp
 
     from motorcade.replays.studio.offers import Offer
@@ -52,7 +51,7 @@ def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
     routes = [
         Route("/", site.start),
         Route("/app.webmanifest", site.installation),
-        Route("/studio/{name}", site.module),
+        Route("/studio/{name}", site.shell.module),
         Route("/run/{run:number}/", site.editor),
         Route("/run/{run:number}/about.json", site.about),
         Route("/run/{run:number}/frame/{frame:number}.jpg", site.frame),
@@ -83,7 +82,7 @@ class _Site:
     """What answers; one for all visitors."""
 
     def __init__(self, offers: Sequence[Offer]) -> None:
-        self._shell, self._opened = Shell(), OpenedOffers(offers)
+        self.shell, self._opened = Shell(), OpenedOffers(offers)
         self._visitors = [Visitors() for _ in offers]
 
     @contextlib.asynccontextmanager
@@ -100,19 +99,12 @@ class _Site:
         if len(offers) == 1:
             return self._page(request, 0)
         nonce, base = request.scope["nonce"], request.scope["root_path"]
-        return _html(self._shell.start(offers, base, nonce))
+        return html(self.shell.page("start.html", base, nonce, offers=offers))
 
     async def installation(self, request: Request) -> Response:
         """What a phone asks for that keeps the page as an app."""
-        text = json.dumps(self._shell.installation(request.scope["root_path"]))
+        text = json.dumps(self.shell.installation(request.scope["root_path"]))
         return Response(text, media_type="application/manifest+json")
-
-    async def module(self, request: Request) -> Response:
-        """A module or style sheet of the page, by its name."""
-        file = self._shell.files.get(request.path_params["name"])
-        if file is None:
-            raise HTTPException(404)
-        return Response(file.content, media_type=file.media_type, headers=KEPT)
 
     async def editor(self, request: Request) -> Response:
         """The page on which a run's scene is edited."""
@@ -181,10 +173,14 @@ class _Site:
 
     def _page(self, request: Request, run: int) -> Response:
         nonce, base = request.scope["nonce"], request.scope["root_path"]
-        return _html(self._shell.editor(self._opened.offers, run, base, nonce))
+        offers = self._opened.offers
+        home = f"{base}/" if len(offers) > 1 else ""  # a way back where the list has others
+        name = offers[run].name
+        return html(self.shell.page("editor.html", base, nonce, name=name, run=run, home=home))
 
 
-def _html(text: str) -> Response:
+def html(text: str) -> Response:
+    """A page."""
     return Response(text, media_type="text/html; charset=utf-8")
 
 
@@ -200,45 +196,40 @@ class PageFile:
 
 
 class Shell:
-    """What frames the pages. Reads the page's files when it is made."""
+    """What frames the pages: templates of a folder. Reads the pages' files when it is made."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path = Path(__file__).parent) -> None:
         from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-        templates = Environment(
-            loader=FileSystemLoader(Path(__file__).parent),
+        self._templates = Environment(
+            loader=FileSystemLoader(folder),
             autoescape=True,
             undefined=StrictUndefined,
             trim_blocks=True,
             lstrip_blocks=True,
         )
-        self._start: Template = templates.get_template("start.html")
-        self._editor: Template = templates.get_template("editor.html")
         self.files: Mapping[str, PageFile] = {
             path.name: PageFile(path.read_bytes(), _TYPES[path.suffix])
             for path in sorted(WEB.iterdir())
             if path.suffix in _TYPES
         }
 
-    def start(self, offers: Sequence[Offer], base: str, nonce: str) -> str:
-        """The list of runs."""
-        return self._start.render(offers=offers, base=base, nonce=nonce)
+    async def module(self, request: Request) -> Response:
+        """A module or style sheet of the pages, by its name."""
+        file = self.files.get(request.path_params["name"])
+        if file is None:
+            raise HTTPException(404)
+        return Response(file.content, media_type=file.media_type, headers=KEPT)
 
-    def editor(self, offers: Sequence[Offer], run: int, base: str, nonce: str) -> str:
-        """The editor of one run; its modules go by bare names (`studio/camera.js`).
-
-        A way back to the list is there where the list has others.
-        """
+    def page(self, template: str, base: str, nonce: str, **values: object) -> str:
+        """A page; its modules go by bare names (`studio/camera.js`)."""
         modules = {
             f"studio/{file}": f"{base}/studio/{file}" for file in self.files if file.endswith(".js")
         }
         # "<" cannot stand in a name of a file of ours, but a script must not be ended by one.
         imports = json.dumps({"imports": modules}).replace("<", "\\u003c")
-        home = f"{base}/" if len(offers) > 1 else ""
-        name = offers[run].name
-        return self._editor.render(
-            name=name, run=run, base=base, home=home, nonce=nonce, imports=imports
-        )
+        page = self._templates.get_template(template)
+        return page.render(base=base, nonce=nonce, imports=imports, **values)
 
     @staticmethod
     def installation(base: str) -> dict[str, Any]:

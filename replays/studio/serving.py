@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from motorcade.replays.io.files import admit_file
-from motorcade.replays.studio.access import Access
+from motorcade.replays.studio.access import MAX_MESSAGE_BYTES, Access
 
 if TYPE_CHECKING:
     import uvicorn
@@ -94,7 +94,16 @@ def address_in_network() -> str:
     return address
 
 
-def announce(access: Access, listening: Listening, out: TextIO) -> None:
+@dataclass(frozen=True)
+class Notice:
+    """What is said beside the link: what whoever has it may do, and how to stop."""
+
+    may: str = "edit"
+    closing: str = "Everything is kept as you go; stop with Ctrl-C."
+    fingerprint: str | None = None
+
+
+def announce(access: Access, listening: Listening, out: TextIO, notice: Notice = Notice()) -> None:
     """Say where to look: the link, for phones its QR code, and what plain http gives away."""
     print(f"Open {access.link()}", file=out)
     if listening.lan:
@@ -103,15 +112,22 @@ def announce(access: Access, listening: Listening, out: TextIO) -> None:
         print(file=out)
         segno.make(access.link(), error="m").terminal(out, compact=True)
         print(
-            "\nScan it with a phone in the same network. Whoever has the link may edit.", file=out
+            f"\nScan it with a phone in the same network. Whoever has the link may {notice.may}.",
+            file=out,
         )
+        if notice.fingerprint is not None:
+            print(
+                "The certificate was made just now, so browsers warn of it. Go on where they show "
+                f"this SHA-256 fingerprint:\n{notice.fingerprint}",
+                file=out,
+            )
         if listening.tls is None:
             print(
                 "This is plain http: others in the network can read the link and what you do. "
                 "Where you do not trust them, use --tls CERT KEY.",
                 file=out,
             )
-    print("Everything is kept as you go; stop with Ctrl-C.", file=out, flush=True)
+    print(notice.closing, file=out, flush=True)
 
 
 def serve(
@@ -120,6 +136,8 @@ def serve(
     *,
     open_browser: bool = True,
     out: TextIO | None = None,
+    notice: Notice = Notice(),
+    max_message_bytes: int = MAX_MESSAGE_BYTES,
 ) -> None:
     """Serve an app until it is interrupted.
 
@@ -128,31 +146,35 @@ def serve(
         listening: where.
         open_browser: whether to open the page here.
         out: where the link is printed; the terminal unless told.
+        notice: what is said beside it.
+        max_message_bytes: of a message of a WebSocket.
 
     Raises:
         OSError: the port is taken, or a file of `tls` cannot be read.
         ValueError: a certificate that is none, or a key that does not fit it.
     """
     with opened(listening) as (listener, access):
-        server = configured(app(access), listening)
-        announce(access, listening, out or sys.stdout)
+        server = configured(app(access), listening, max_message_bytes)
+        announce(access, listening, out or sys.stdout, notice)
         if open_browser:
             webbrowser.open(access.link())
         server.run(sockets=[listener])
 
 
-def configured(app: ASGIApp, listening: Listening) -> uvicorn.Server:
+def configured(
+    app: ASGIApp, listening: Listening, max_message_bytes: int = MAX_MESSAGE_BYTES
+) -> uvicorn.Server:
     """A server with every bound set, which has not begun; raises as `serve`."""
     import uvicorn
 
-    from motorcade.replays.studio.access import MAX_MESSAGE_BYTES, BoundedProtocol
+    from motorcade.replays.studio.access import BoundedProtocol
 
     certificate, key = (None, None) if listening.tls is None else _checked(*listening.tls)
     config = uvicorn.Config(
         app,
         http=BoundedProtocol,
         ws="websockets-sansio",
-        ws_max_size=MAX_MESSAGE_BYTES,
+        ws_max_size=max_message_bytes,
         ws_per_message_deflate=False,
         h11_max_incomplete_event_size=16 << 10,
         timeout_graceful_shutdown=2,

@@ -56,7 +56,7 @@ def _addresses() -> dict[str, str]:
     return {
         f"studio/{name}": "data:text/javascript;charset=utf-8," + _in_address(_module(name))
         for name in names
-        if name != "eslint.config.js" and not name.startswith("editor")
+        if name != "eslint.config.js" and not name.startswith(("editor", "live"))
     }
 
 

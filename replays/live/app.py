@@ -1,0 +1,364 @@
+"""The live page's server: one session, the browser's camera or a source, and all who look on.
+
+A camera's frames are answered one by one; of those that come while one is tracked the newest is
+kept. Images of a source, or of somebody else's camera, go to a viewer when it has drawn the last.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+import threading
+import time
+from collections.abc import AsyncIterator, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO
+
+import cv2
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from motorcade.replays.live.frames import LiveFrame, newest
+from motorcade.replays.live.opening import LivePlan
+from motorcade.replays.live.session import LiveSession
+from motorcade.replays.live.tracker import FirstMarker
+from motorcade.replays.live.wire import (
+    MAX_FRAME_BYTES,
+    BrowserClock,
+    CameraFrame,
+    image_message,
+    read_frame,
+)
+from motorcade.replays.studio.access import HEADERS, MAX_EDITORS, Access, Doorkeeper, MessageRate
+from motorcade.replays.studio.app import KEPT, Shell, html
+from motorcade.replays.studio.serving import Listening, Notice, address_in_network, serve
+from motorcade.replays.studio.visitors import parsed
+from motorcade.tracking import Board
+
+if TYPE_CHECKING:
+    from starlette.types import ASGIApp
+
+log = logging.getLogger("motorcade.live")
+
+MESSAGES_A_SECOND, MESSAGES_AT_ONCE = 150.0, 300.0
+MOST_REFUSED = 50
+"""Messages of one visitor that may be refused before it is hung up on."""
+FIGURES_EVERY_S = 0.5
+DRAWN_WITHIN_S = 1.0
+"""A viewer that did not say for so long that it drew an image gets the next all the same."""
+MAX_TEXT = 4096
+_WITH_CAMERA = HEADERS["permissions-policy"].replace("camera=()", "camera=(self)")
+
+
+def serve_live(
+    plan: LivePlan,
+    listening: Listening,
+    *,
+    open_browser: bool = True,
+    out: TextIO | None = None,
+) -> None:
+    """Serve a live session until it is interrupted.
+
+    For others of the network it is served by https: by `listening.tls`, or a certificate that is
+    made now, since browsers give no camera to a page of plain http.
+
+    Raises:
+        ValueError, OSError: as `LivePlan.open` and `studio.serving.serve`.
+    """
+    session, frames = plan.open()
+    kept = "" if plan.record is None else f"The session is kept in {plan.record}. "
+    notice = Notice("look on, and put the figure elsewhere", f"{kept}Stop with Ctrl-C.")
+    with contextlib.ExitStack() as stack:
+        stack.callback(session.close)
+        if listening.lan and listening.tls is None:
+            from motorcade.replays.studio.certificates import own_certificate
+
+            certificate = stack.enter_context(own_certificate(address_in_network()))
+            listening = replace(listening, tls=certificate.files)
+            notice = replace(notice, fingerprint=certificate.fingerprint)
+        serve(
+            lambda access: live_app(session, frames, access),
+            listening,
+            open_browser=open_browser,
+            out=out,
+            notice=notice,
+            max_message_bytes=MAX_FRAME_BYTES,
+        )
+
+
+def live_app(session: LiveSession, frames: Iterator[LiveFrame] | None, access: Access) -> ASGIApp:
+    """What is served of a session to those whom `access` admits.
+
+    Args:
+        session: that it shows; whoever made it closes it.
+        frames: of a source, taken from when the first viewer comes; None for a browser's camera.
+        access: the key, and the names that the server goes by.
+    """
+    site = _Site(session, frames)
+    routes = [
+        Route("/", site.page),
+        Route("/studio/{name}", site.shell.module),
+        Route("/figure.glb", site.figure),
+        Route("/motion/{number:int}.json", site.motion),
+        WebSocketRoute("/live", site.live),
+    ]
+    return Doorkeeper(Starlette(routes=routes, lifespan=site.lifespan), access)
+
+
+@dataclass(eq=False)
+class _Viewer:
+    """A browser that looks on: the newest image that it has not seen."""
+
+    socket: WebSocket
+    message: bytes | str | None = None
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+    drew: asyncio.Event = field(default_factory=asyncio.Event)
+    captured_s: dict[int, float] = field(default_factory=dict)
+
+    def put(self, message: bytes | str, number: int, captured_s: float) -> None:
+        self.message = message
+        self.captured_s[number] = captured_s
+        while len(self.captured_s) > 64:
+            del self.captured_s[next(iter(self.captured_s))]
+        self.changed.set()
+
+    async def send(self) -> None:
+        """Send the newest, each time that the last was drawn, until it goes."""
+        while True:
+            await self.changed.wait()
+            self.changed.clear()
+            message, self.message = self.message, None
+            if isinstance(message, bytes):
+                self.drew.clear()
+                await self.socket.send_bytes(message)
+                with suppress(TimeoutError):
+                    await asyncio.wait_for(self.drew.wait(), DRAWN_WITHIN_S)
+            elif message is not None:
+                await self.socket.send_text(message)
+
+
+class _Site:
+    """What answers. All that the session does is done in one thread."""
+
+    def __init__(self, session: LiveSession, frames: Iterator[LiveFrame] | None) -> None:
+        self.shell = Shell(Path(__file__).parent)
+        self._session, self._frames = session, frames
+        self._worker = ThreadPoolExecutor(1, "live")
+        self._viewers: list[_Viewer] = []
+        self._present = 0
+        self._camera: WebSocket | None = None
+        self._source: threading.Thread | None = None
+        self._ended = threading.Event()
+        self._last_ns = 0
+        self._last_s = self._told_s = 0.0
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        """While the server runs; what is under way at its end is finished."""
+        yield
+        self._ended.set()
+        if self._source is not None:
+            await run_in_threadpool(self._source.join, 5.0)
+        self._worker.shutdown()
+
+    async def page(self, request: Request) -> Response:
+        """The one page; it alone may have a camera."""
+        target = self._session.tracker.target
+        name = (
+            target.name
+            if isinstance(target, Board)
+            else f"a marker of {target.family}"
+            if isinstance(target, FirstMarker)
+            else "the place"
+        )
+        mode = "camera" if self._frames is None else "source"
+        nonce, base = request.scope["nonce"], request.scope["root_path"]
+        answer = html(self.shell.page("live.html", base, nonce, mode=mode, target=name))
+        answer.headers["permissions-policy"] = _WITH_CAMERA
+        return answer
+
+    async def figure(self, request: Request) -> Response:
+        """What the figure looks like, as glTF."""
+        glb = await run_in_threadpool(lambda: self._session.figure.glb)
+        return Response(glb, media_type="model/gltf-binary", headers=KEPT)
+
+    async def motion(self, request: Request) -> Response:
+        """What its joints do in a motion."""
+        number = request.path_params["number"]
+        joints = await self._work(lambda: self._session.figure.joints(number))
+        if joints is None:
+            raise HTTPException(404)
+        return JSONResponse(joints, headers=KEPT)
+
+    async def live(self, socket: WebSocket) -> None:
+        """One browser, from when it comes until it goes."""
+        await socket.accept()
+        if self._present >= MAX_EDITORS:
+            await socket.close(1013, f"{MAX_EDITORS} browsers look on already")
+            return
+        self._present += 1
+        viewer = _Viewer(socket)
+        films = self._frames is None and self._camera is None
+        if films:
+            self._camera = socket
+        else:
+            self._viewers.append(viewer)
+        sending = asyncio.create_task(viewer.send())
+        try:
+            hello = {"hello": "film" if films else "watch"}
+            await socket.send_text(json.dumps(hello))
+            self._start_source()
+            await (self._film(socket) if films else self._listen(viewer))
+        except (WebSocketDisconnect, RuntimeError):
+            log.debug("a browser went")
+        finally:
+            self._present -= 1
+            sending.cancel()
+            if films:
+                self._camera = None
+            else:
+                self._viewers.remove(viewer)
+
+    # A browser's camera --------------------------------------------------------------------------
+
+    async def _film(self, socket: WebSocket) -> None:
+        """Track the frames that a browser sends, the newest of those that wait."""
+        begun_ns = self._last_ns + round(1e9 * max(0.001, time.monotonic() - self._last_s))
+        clock = BrowserClock(begun_ns if self._last_ns else 0, time.monotonic())
+        rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
+        waiting: list[tuple[CameraFrame, float]] = []
+        wake = asyncio.Event()
+
+        async def track() -> None:
+            while True:
+                await wake.wait()
+                wake.clear()
+                frame, came_s = waiting.pop()
+                waiting.clear()
+                await socket.send_text(await self._work(lambda: self._answer(frame, clock, came_s)))
+
+        tracking = asyncio.create_task(track())
+        try:
+            while True:
+                message = await socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                if not rate.takes() or refused > MOST_REFUSED:
+                    await socket.close(1008, "too many messages")
+                    return
+                fault = ""
+                if (data := message.get("bytes")) is not None:
+                    try:
+                        waiting.append((read_frame(data), time.monotonic()))
+                        wake.set()
+                    except ValueError as error:
+                        fault = str(error)
+                else:
+                    fault = await self._gesture(message.get("text") or "")
+                if fault:
+                    refused += 1
+                    await socket.send_text(json.dumps({"error": fault}))
+        finally:
+            tracking.cancel()
+
+    def _answer(self, sent: CameraFrame, clock: BrowserClock, came_s: float) -> str:
+        """The pose of a frame that a browser sent, as text; in the session's thread."""
+        if sent.latency_ms is not None:
+            self._session.measure.drawn(1e-3 * sent.latency_ms)
+        try:
+            time_ns = clock.stamp_ns(sent.stamp_ms, came_s)
+            self._last_ns, self._last_s = time_ns, came_s
+            about = self._tracked(LiveFrame(time_ns, sent.gray, came_s), sent.number)
+        except ValueError as fault:
+            about = {"frame": sent.number, "state": "refused", "why": str(fault), "pose": None}
+        return json.dumps(about, separators=(",", ":"), allow_nan=False)
+
+    def _tracked(self, frame: LiveFrame, number: int) -> dict[str, Any]:
+        """Track a frame, show it to those who look on, and say what the page draws."""
+        pose = self._session.take(frame, number)
+        about = {"frame": number, **self._session.shown(pose)}
+        now = time.monotonic()
+        if now - self._told_s >= FIGURES_EVERY_S:
+            self._told_s = now
+            about["figures"] = self._session.told()
+        if self._viewers:
+            image = frame.image if frame.image.ndim == 2 else frame.image[..., ::-1]
+            _, jpeg = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 85])
+            message = image_message(about, jpeg.tobytes())
+            for viewer in tuple(self._viewers):
+                self._loop.call_soon_threadsafe(viewer.put, message, number, frame.captured_s)
+        return about
+
+    # Those who look on ---------------------------------------------------------------------------
+
+    async def _listen(self, viewer: _Viewer) -> None:
+        """Hear what a viewer drew, and its gestures."""
+        rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
+        while True:
+            message = await viewer.socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            text = message.get("text")
+            if text is None or not rate.takes() or refused > MOST_REFUSED:
+                await viewer.socket.close(
+                    1008, "too many messages, or frames that nobody asked for"
+                )
+                return
+            if text.startswith("drew ") and text[5:].isdecimal() and len(text) < 20:
+                captured_s = viewer.captured_s.pop(int(text[5:]), None)
+                viewer.drew.set()
+                if captured_s is not None and self._frames is not None:
+                    latency_s = time.monotonic() - captured_s
+                    self._session.measure.drawn(latency_s)
+            elif fault := await self._gesture(text):
+                refused += 1
+                await viewer.socket.send_text(json.dumps({"error": fault}))
+
+    async def _gesture(self, text: str) -> str:
+        """Do what a message says; what was wrong with it, or nothing."""
+        if len(text) > MAX_TEXT:
+            return f"expected a message of at most {MAX_TEXT} letters"
+        try:
+            message = parsed(text)
+            await self._work(lambda: self._session.gesture(message))
+        except ValueError as fault:
+            return str(fault)
+        return ""
+
+    # The source ----------------------------------------------------------------------------------
+
+    def _start_source(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        if self._frames is None or self._source is not None:
+            return
+        self._source = threading.Thread(target=self._run_source, daemon=True, name="source")
+        self._source.start()
+
+    def _run_source(self) -> None:
+        """Take the source's frames until it ends, and say why it did."""
+        assert self._frames is not None  # asked before
+        why = "the source has ended"
+        try:
+            for number, frame in enumerate(newest(self._frames)):
+                if self._ended.is_set():
+                    return
+                self._worker.submit(self._tracked, frame, number).result()
+        except Exception as fault:  # a camera that was unplugged ends the source, not the page
+            log.debug("source", exc_info=True)
+            why = str(fault)
+        text = json.dumps({"ended": why})
+        for viewer in tuple(self._viewers):
+            self._loop.call_soon_threadsafe(viewer.put, text, -1, 0.0)
+
+    def _work(self, act: Any) -> asyncio.Future[Any]:
+        return asyncio.get_running_loop().run_in_executor(self._worker, act)

@@ -1,0 +1,363 @@
+"""A pose for every frame that comes, and a word on how far it can be relied on.
+
+The world is the board (x right, y up as printed, z out of its face), the marker that was seen
+first, or with SLAM the largest plane that was mapped (z towards the camera).
+
+states      searching   nothing was seen yet, or the camera is not known
+            tracking    measured in this frame
+            weak        measured with a doubt that `why` names, or predicted for up to 0.1 s
+            lost        nothing is known of where the camera is
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal, get_args
+
+import numpy as np
+
+from motorcade.fusion.smoothing import LiveSmoother
+from motorcade.ga import Motor, Rotor
+from motorcade.ga.arrays import FloatArray
+from motorcade.replays.live.calibration import LiveCalibration
+from motorcade.replays.live.frames import LiveFrame
+from motorcade.tracking import (
+    Board,
+    BoardTracker,
+    Camera,
+    SingleMarker,
+    SlamSettings,
+    TrackingError,
+    VisualSlam,
+    detect_markers,
+    find_planes,
+)
+from motorcade.tracking.boards import BoardCorners
+from motorcade.tracking.measurements import MarkerObservation
+from motorcade.tracking.pose import refine
+
+LiveState = Literal["searching", "tracking", "weak", "lost"]
+LIVE_STATES: tuple[LiveState, ...] = get_args(LiveState)
+
+PREDICTED_S = 0.1
+"""How long a pose is predicted after the last measured one; `LiveSmoother.predict` says why."""
+WORST_PX = 1.0
+"""Of corners left out of a pose: from here on what is drawn is seen to slide."""
+HELD_OUT = 6
+"""Of so many corners one is left out, another in every frame."""
+_SURE = np.log(100.0)
+"""Log likelihood ratio from which on the better of a plane's two poses is believed."""
+_SIGMA_PX = 0.2
+_ALIKE_RAD = np.radians(3.0)
+_FEW_CORNERS = 8
+_REPOSED_NS = 500_000_000
+_PLANE_EVERY, _PLANE_NOISE, _FEWEST_POINTS = 15, 0.01, 60
+
+
+@dataclass(frozen=True)
+class FirstMarker:
+    """Whichever marker of a family is seen first and largest; it is the world from then on.
+
+    Args:
+        family: one of `tracking.FAMILIES`.
+        side_m: of the black square, metres.
+
+    Raises:
+        ValueError: an unknown family, or a side that is not above 0.
+    """
+
+    family: str
+    side_m: float
+
+    def __post_init__(self) -> None:
+        SingleMarker(self.family, 0, self.side_m)
+
+
+Target = Board | FirstMarker | Literal["slam"]
+
+
+@dataclass(frozen=True, eq=False)
+class LivePose:
+    """What is known of the camera in one frame.
+
+    Fields:
+        time_ns: the frame's stamp.
+        state: one of `LIVE_STATES`.
+        why: the reason of any state but "tracking", for people; "" without.
+        world_T_camera: None while nothing is known.
+        camera: whose pose it is; None until it is found.
+        held_out_px: ``(n,)`` distances of corners that had no part in a pose from where that pose,
+            fitted to the others, has them; empty where none can be spared.
+        measured: whether the pose was measured in this very frame.
+    """
+
+    time_ns: int
+    state: LiveState
+    why: str = ""
+    world_T_camera: Motor | None = None
+    camera: Camera | None = None
+    held_out_px: FloatArray = field(default_factory=lambda: np.zeros(0))
+    measured: bool = False
+
+
+class LiveTracker:
+    """Gives the camera's pose in frames as they come.
+
+    Args:
+        target: the board in view; `FirstMarker`; or "slam" for a scene without either.
+        camera: what takes the frames; None finds it from the board, within seconds in which the
+            board is seen from several sides.
+
+    Raises:
+        ValueError: SLAM without a camera.
+
+    It breaks down where two boards that look the same are in view, and where a board repeats
+    itself turned round: it is then taken for the one that it was last.
+
+    >>> import numpy as np
+    >>> from motorcade.replays.live import LiveFrame, LiveTracker
+    >>> from motorcade.tracking import Camera, board_named
+    >>> board = board_named("checkerboard_6x5_30mm")
+    >>> image, _ = board.draw(pixels_per_m=1000.0)  # a camera that hangs before its middle
+    >>> frames = [LiveFrame(k * 33_000_000, image) for k in range(3)]
+    >>> height, width = image.shape
+    >>> camera = Camera(width, height, 500.0, 500.0, 0.5 * width - 0.5, 0.5 * height - 0.5)
+    >>> tracker = LiveTracker(board, camera)
+    >>> for frame in frames:
+    ...     pose = tracker.update(frame)
+    >>> pose.state, pose.world_T_camera.translation_m.round(2)[2]  # metres from its face
+    ('tracking', np.float64(0.5))
+    """
+
+    def __init__(self, target: Target, camera: Camera | None = None) -> None:
+        if target == "slam" and camera is None:
+            raise ValueError("LiveTracker: expected a camera with SLAM, which does not find one")
+        self.target: Target = target
+        self.camera = camera
+        self.calibration: LiveCalibration | None = None
+        self._stated = camera is not None
+        self._smoother = LiveSmoother()
+        self._board: BoardTracker | None = None
+        self._slam: _PlaneSlam | None = None
+        self._begun_ns = self._last_ns = 0
+        self._measured_ns: int | None = None
+        self._sure = False
+        self._count = 0
+
+    @property
+    def camera_status(self) -> str:
+        """What is known of the camera, for people."""
+        return "camera as stated" if self.calibration is None else self.calibration.status
+
+    def update(self, frame: LiveFrame) -> LivePose:
+        """Take the next frame.
+
+        Raises:
+            ValueError: a stamp that is not later than the one before, or an image of another size
+                than the stated camera's.
+        """
+        self._check(frame)
+        self._last_ns = frame.time_ns
+        self._begun_ns = self._begun_ns if self._count else frame.time_ns
+        self._count += 1
+        if isinstance(self.target, FirstMarker):
+            self._take_marker(self.target, frame)
+        if isinstance(self.target, Board) and not self._stated:
+            self._calibrate(self.target, frame)
+        if isinstance(self.target, FirstMarker) or self.camera is None:
+            return LivePose(frame.time_ns, "searching", self._lacking())
+        if self.target == "slam":
+            pose = self._by_slam(frame, self.camera)
+        else:
+            pose = self._by_board(frame, self.camera, self.target)
+        return self._remembered(pose)
+
+    def close(self) -> None:
+        """Leave what is being calibrated and mapped."""
+        if self.calibration is not None:
+            self.calibration.close()
+        self._slam = None
+
+    def _check(self, frame: LiveFrame) -> None:
+        if self._count and frame.time_ns <= self._last_ns:
+            raise ValueError(
+                f"frame: expected a stamp after {self._last_ns} ns, got {frame.time_ns} ns"
+            )
+        height, width = frame.gray.shape
+        camera = self.camera
+        if self._stated and camera is not None and (camera.width, camera.height) != (width, height):
+            raise ValueError(
+                f"frame: expected {camera.width} x {camera.height} pixels as the camera has, got "
+                f"{width} x {height}; set the camera to that size, or leave it to be found"
+            )
+
+    def _lacking(self) -> str:
+        if isinstance(self.target, FirstMarker):
+            return f"no marker of {self.target.family} in view"
+        return self.camera_status
+
+    # The camera and the target -------------------------------------------------------------------
+
+    def _take_marker(self, target: FirstMarker, frame: LiveFrame) -> None:
+        """Make the largest marker in view the board."""
+        seen = detect_markers(frame.gray, target.family)
+        if seen:
+            span = [float(np.ptp(marker.corners_px, axis=0).prod()) for marker in seen]
+            marker_id = int(seen[int(np.argmax(span))].marker_id)
+            self.target = SingleMarker(target.family, marker_id, target.side_m)
+
+    def _calibrate(self, board: Board, frame: LiveFrame) -> None:
+        """Take views of the board until its camera is known well; begin anew at another size."""
+        height, width = frame.gray.shape
+        if self.calibration is None or self.calibration.size != (width, height):
+            self.close()
+            self.calibration, self.camera = LiveCalibration((width, height)), None
+        if self.calibration.wants(frame.time_ns):
+            view = board.detect(frame.gray)
+            if view is not None:
+                self.calibration.add(frame.time_ns, view)
+        better = self.calibration.poll()
+        if better is not None:
+            self.camera, self._board = better.camera, None
+
+    # The pose ------------------------------------------------------------------------------------
+
+    def _by_board(self, frame: LiveFrame, camera: Camera, board: Board) -> LivePose:
+        if self._board is None:
+            self._board = BoardTracker(camera, board)
+        seen = self._board.update(frame.gray, frame.time_ns)
+        if seen is None:
+            return LivePose(frame.time_ns, "lost", f"{board.name} is not in view", camera=camera)
+        observation = seen.observation
+        ids = observation.ids
+        corners = BoardCorners(ids, observation.corners_px, board.points_m[ids])
+        held_out = held_out_px(corners, camera, seen.world_T_camera, self._count)
+        continued = self._sure and self._continues(frame.time_ns)
+        self._sure = continued or is_one_pose(observation)
+        why = ""
+        if len(ids) < min(_FEW_CORNERS, len(board.points_m)):
+            why = f"only {len(ids)} corners are seen"
+        elif not self._sure:
+            why = "two poses fit alike; look at it more from the side"
+        elif seen.error_px > WORST_PX or (len(held_out) and _rms(held_out) > WORST_PX):
+            why = "corners lie more than a pixel off"
+        state: LiveState = "weak" if why else "tracking"
+        return LivePose(frame.time_ns, state, why, seen.world_T_camera, camera, held_out, True)
+
+    def _by_slam(self, frame: LiveFrame, camera: Camera) -> LivePose:
+        if self._slam is None:
+            self._slam = _PlaneSlam(camera)
+        return self._slam.update(frame)
+
+    def _continues(self, time_ns: int) -> bool:
+        return self._measured_ns is not None and time_ns - self._measured_ns <= _REPOSED_NS
+
+    def _remembered(self, pose: LivePose) -> LivePose:
+        """The pose, or one predicted from those before it where there is none."""
+        time_s = 1e-9 * (pose.time_ns - self._begun_ns)
+        if pose.world_T_camera is not None:
+            if not self._continues(pose.time_ns):
+                self._smoother.reset()
+            motor = pose.world_T_camera
+            self._smoother.update(time_s, motor.translation_m, motor.rotor.as_quaternion())
+            self._measured_ns = pose.time_ns
+            return pose
+        if self._measured_ns is None:
+            return replace(pose, state="searching")
+        if 1e-9 * (pose.time_ns - self._measured_ns) > PREDICTED_S:
+            return pose
+        _, position_m, wxyz = self._smoother.predict(time_s)
+        motor = Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), position_m)
+        return replace(pose, state="weak", why=f"{pose.why}; predicted", world_T_camera=motor)
+
+
+def is_one_pose(observation: MarkerObservation) -> bool:
+    """Whether pixels alone tell which of a plane's two poses it is, or both are much the same."""
+    better, worse = observation.candidate_error_px
+    odds = len(observation.ids) * (worse**2 - better**2) / (2.0 * _SIGMA_PX**2)
+    apart = observation.candidates[0].inverse() @ observation.candidates[1]
+    return bool(odds > _SURE or apart.rotor.angle() < _ALIKE_RAD)
+
+
+def held_out_px(
+    corners: BoardCorners, camera: Camera, world_T_camera: Motor, turn: int
+) -> FloatArray:
+    """How far corners lie from where a pose fitted without them has them.
+
+    Args:
+        corners: all that were found.
+        camera: who saw them.
+        world_T_camera: a pose near the right one, to begin from.
+        turn: which of every `HELD_OUT` corners is left out; any whole number.
+
+    Returns:
+        ``(n,)`` pixels, empty where too few corners would be left.
+
+    >>> from motorcade.ga import Motor, Rotor
+    >>> from motorcade.replays.live.tracker import held_out_px
+    >>> from motorcade.tracking import Camera, board_named
+    >>> from motorcade.tracking.boards import BoardCorners
+    >>> points_m = board_named("checkerboard_6x5_30mm").points_m
+    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
+    >>> pose = Motor.from_rotor_translation(Rotor.from_rotation_vector([3.0, 0.2, 0]), [0, 0, 0.5])
+    >>> pixels = camera.project(pose.inverse().apply(points_m))
+    >>> pixels[7] += 3.0  # a corner that is wrong, and has no part in the pose
+    >>> held_out_px(BoardCorners(range(30), pixels, points_m), camera, pose, 1).round(1)
+    array([0. , 4.2, 0. , 0. , 0. ])
+    """
+    out = (np.arange(len(corners)) - turn) % HELD_OUT == 0
+    rest = corners.keep(~out)
+    if len(rest) < _FEW_CORNERS or not out.any():
+        return np.zeros(0)
+    try:
+        pose = refine(rest, camera, world_T_camera).world_T_camera
+    except TrackingError:
+        return np.zeros(0)
+    left = corners.keep(out)
+    expected = camera.project(pose.inverse().apply(left.points_m))
+    distances: FloatArray = np.linalg.norm(left.corners_px - expected, axis=-1)
+    return distances[np.isfinite(distances)]
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+class _PlaneSlam:
+    """SLAM in its threads, with the largest plane of its map as the world."""
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self._slam = VisualSlam(camera, SlamSettings(threads=True))
+        self._plane_T_map: Motor | None = None
+        self._map_number = -1
+        self._tracked = 0
+
+    def update(self, frame: LiveFrame) -> LivePose:
+        seen = self._slam.track(frame.time_ns, frame.gray)
+        nothing = LivePose(
+            frame.time_ns, "lost", "the place is not recognised", camera=self._camera
+        )
+        if seen.world_T_camera is None:
+            reason = "move sideways, so that depth is seen"
+            return replace(nothing, why=reason) if seen.state == "initialising" else nothing
+        if seen.map_number != self._map_number:
+            self._plane_T_map, self._map_number, self._tracked = None, seen.map_number, 0
+        self._tracked += 1
+        if self._plane_T_map is None and self._tracked % _PLANE_EVERY == 0:
+            self._plane_T_map = self._found_plane(seen.world_T_camera)
+        if self._plane_T_map is None:
+            return replace(nothing, why="mapped so far is nothing flat to stand on")
+        state: LiveState = "weak" if seen.state == "weak" else "tracking"
+        why = "few corners are tracked" if state == "weak" else ""
+        pose = self._plane_T_map @ seen.world_T_camera
+        return LivePose(frame.time_ns, state, why, pose, self._camera, measured=True)
+
+    def _found_plane(self, map_T_camera: Motor) -> Motor | None:
+        points = self._slam.snapshot().points
+        if len(points) < _FEWEST_POINTS:
+            return None
+        eye = map_T_camera.translation_m
+        noise = _PLANE_NOISE * float(np.median(np.linalg.norm(points - eye, axis=-1)))
+        planes = find_planes(points, noise, np.random.default_rng(0), seen_from_m=eye).planes
+        return planes[0].world_T_plane.inverse() if planes else None

@@ -1,0 +1,121 @@
+"""A figure put by taps where their rays meet the ground; a session that is a recording."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from motorcade.animation.authoring import read_scene
+from motorcade.replays import open_recording
+from motorcade.replays.live import LiveTracker
+from motorcade.replays.live.figure import LARGEST, LiveFigure
+from motorcade.replays.live.opening import LivePlan, track_without_page
+from motorcade.replays.live.record import LiveRecorder
+from motorcade.replays.live.session import LiveSession
+from motorcade.replays.stages.camera.board_poses import board_poses
+from tests.replays.live.drawn import BOARD, CAMERA, frames, world_T_camera
+
+
+def a_session(folder: Path | None = None) -> LiveSession:
+    recorder = None if folder is None else LiveRecorder(folder)
+    return LiveSession(LiveTracker(BOARD, CAMERA), LiveFigure("mannequin", 0.1), recorder)
+
+
+def pixel_of(point: tuple[float, float], index: int, seed: int) -> list[float]:
+    inside = world_T_camera(index, seed).inverse().apply([*point, 0.0])
+    return CAMERA.project(inside).tolist()
+
+
+def test_a_run_of_a_recorded_session_gives_its_poses_bit_for_bit(tmp_path: Path) -> None:
+    folder, seed = tmp_path / "session", 21
+    session = a_session(folder)
+    for number, frame in enumerate(frames(8, seed)):
+        session.take(frame, number)
+    pixel = pixel_of((0.06, -0.05), 7, seed)
+    session.gesture({"do": "stand", "frame": 7, "pixels": [pixel]})
+    session.close()
+    recording = open_recording(folder)
+    assert recording.board == BOARD
+    assert recording.settings == ("placed.scene=" + str(folder / "scene.json"),)
+    again = board_poses(recording).measurements.trajectory
+    lines = [json.loads(line) for line in (folder / "live.jsonl").read_text().splitlines()]
+    live = np.array([line["world_T_camera"] for line in lines if "world_T_camera" in line])
+    assert again.time_ns.tolist() == [line["time_ns"] for line in lines if "state" in line]
+    same = np.concatenate([again.motors.translation_m, again.motors.rotor.as_quaternion()], axis=-1)
+    assert np.array_equal(same, live)
+    assert [line["gesture"]["do"] for line in lines if "gesture" in line] == ["stand"]
+    stood = read_scene(folder / "scene.json").pose("figure").as_similarity().translation_m
+    assert np.linalg.norm(stood[:2] - [0.06, -0.05]) < 0.002
+
+
+def test_taps_stand_move_turn_and_scale_the_figure() -> None:
+    session, seed = a_session(), 4
+    for number, frame in enumerate(frames(4, seed)):
+        pose = session.take(frame, number)
+    assert session.shown(pose)["figure"] is None
+    tap = {"frame": 3, "pixels": [pixel_of((0.03, -0.04), 3, seed)]}
+    session.gesture({"do": "stand", **tap})
+    figure = session.figure
+    assert np.linalg.norm(figure.position_m - [0.03, -0.04]) < 0.002
+    eye = world_T_camera(3, seed).translation_m[:2] - figure.position_m
+    facing = [np.cos(figure.heading_rad), np.sin(figure.heading_rad)]
+    assert np.dot(facing, eye / np.linalg.norm(eye)) > 0.99, "it faces the camera"
+    session.gesture({"do": "drag", "frame": 2, "pixels": [pixel_of((0.1, -0.1), 2, seed)]})
+    assert np.linalg.norm(figure.position_m - [0.1, -0.1]) < 0.002
+    before = figure.heading_rad
+    session.gesture({"do": "turn", "by": 0.5})
+    assert np.isclose(np.remainder(figure.heading_rad - before, 2 * np.pi), 0.5)
+    for _ in range(9):
+        session.gesture({"do": "resize", "by": 9.0})
+    assert figure.scale == LARGEST
+
+
+def test_it_walks_to_a_tapped_point_and_stays_there() -> None:
+    session, seed = a_session(), 6
+    for number, frame in enumerate(frames(3, seed)):
+        session.take(frame, number)
+    session.gesture({"do": "stand", "frame": 2, "pixels": [pixel_of((0.0, 0.0), 2, seed)]})
+    session.gesture({"do": "walk", "frame": 2, "pixels": [pixel_of((0.12, -0.1), 2, seed)]})
+    figure = session.figure
+    at = [figure.state(0.07 + 0.1 * step) for step in range(70)]
+    assert at[0]["motion"] == 1
+    assert figure.joints(1) is not None
+    assert figure.joints(9) is None
+    steps = np.diff([state["pose"][:2] for state in at], axis=0)
+    assert np.linalg.norm(steps, axis=-1).max() < 0.02
+    assert at[-1]["motion"] == 0
+    assert np.linalg.norm(np.array(at[-1]["pose"][:2]) - [0.12, -0.1]) < 0.002
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ({"do": "fly"}, "do: expected one of stand, walk"),
+        ({"do": "stand", "frame": 99, "pixels": [[1, 1]]}, "frame: expected one that is on show"),
+        ({"do": "stand", "frame": True, "pixels": [[1, 1]]}, "frame: expected one that is on show"),
+        ({"do": "stand", "frame": 0, "pixels": []}, "pixels: expected one"),
+        ({"do": "stand", "frame": 0, "pixels": [["a", 1]]}, "pixels: expected a number"),
+        ({"do": "resize", "by": 1e6}, "by: expected a factor"),
+        ({"do": "turn", "by": 1e300}, "by: expected a number"),
+        ({"do": "turn"}, "by: expected a number"),
+    ],
+)
+def test_gestures_that_are_none_are_refused(message: dict[str, object], said: str) -> None:
+    session = a_session()
+    session.take(next(iter(frames(1, 2))), 0)
+    with pytest.raises(ValueError, match=said):
+        session.gesture(message)
+
+
+def test_a_source_is_tracked_to_its_end_without_a_page(tmp_path: Path) -> None:
+    session = a_session()
+    figures = track_without_page(session, frames(5, 9))
+    assert figures["frames"] >= 1
+    assert set(figures["states"]) == {"tracking"}
+    assert figures["registration_px"] < 0.3
+    (tmp_path / "old.txt").write_text("kept")
+    with pytest.raises(FileExistsError, match="expected an empty folder"):
+        LiveRecorder(tmp_path)
+    with pytest.raises(ValueError, match="expected what to track"):
+        LivePlan().open()
