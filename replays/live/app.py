@@ -16,6 +16,7 @@ from collections.abc import AsyncIterator, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -159,7 +160,7 @@ class _Site:
         self._camera: WebSocket | None = None
         self._source: threading.Thread | None = None
         self._ended = threading.Event()
-        self._last_ns = 0
+        self._last_ns: int | None = None
         self._last_s = self._told_s = 0.0
 
     @contextlib.asynccontextmanager
@@ -233,8 +234,9 @@ class _Site:
 
     async def _film(self, socket: WebSocket) -> None:
         """Track the frames that a browser sends, the newest of those that wait."""
-        begun_ns = self._last_ns + round(1e9 * max(0.001, time.monotonic() - self._last_s))
-        clock = BrowserClock(begun_ns if self._last_ns else 0, time.monotonic())
+        now_s = time.monotonic()
+        since_ns = round(1e9 * max(0.001, now_s - self._last_s))
+        clock = BrowserClock(0 if self._last_ns is None else self._last_ns + since_ns, now_s)
         rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
         waiting: list[tuple[CameraFrame, float]] = []
         wake = asyncio.Event()
@@ -245,7 +247,8 @@ class _Site:
                 wake.clear()
                 frame, came_s = waiting.pop()
                 waiting.clear()
-                await socket.send_text(await self._work(lambda: self._answer(frame, clock, came_s)))
+                answer = await self._work(partial(self._answer, frame, clock, came_s))
+                await socket.send_text(answer)
 
         tracking = asyncio.create_task(track())
         try:

@@ -18,7 +18,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -72,7 +72,7 @@ def filmed(frames: int) -> Filmed:
 
 
 def write_y4m(path: Path, images: Iterable[np.ndarray], rate_hz: int) -> None:
-    """A film as Chromium's fake camera reads it, there and back, so that it loops without a jump."""
+    """A film as Chromium's fake camera reads it, there and back so that it loops smoothly."""
     images = list(images)
     height, width = images[0].shape
     colour = bytes([128]) * (width * height // 2)
@@ -143,6 +143,16 @@ class LiveTab:
         path.write_bytes(base64.b64decode(data))
 
 
+def processor_s(group: int) -> float:
+    """Processor time of a group of processes so far."""
+    ticks = 0
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):
+            fields = stat.read_text().rpartition(")")[2].split()
+            ticks += (int(fields[11]) + int(fields[12])) * (int(fields[2]) == group)
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 @contextmanager
 def fake_camera(film: Path) -> Iterator[Browser]:
     """Chromium whose camera plays a film."""
@@ -179,6 +189,7 @@ def measured(
             time.sleep(1.0)
             drawn_before, cpu, start = tab.value("livePage.drawn"), os.times(), time.monotonic()
             states = dict(session.measure.states)
+            browser_s = processor_s(browser._process)
             latency_s: list[float] = []
             keep = session.measure.drawn
             session.measure.drawn = lambda late_s: (latency_s.append(late_s), keep(late_s))[1]
@@ -186,6 +197,7 @@ def measured(
             passed_s = time.monotonic() - start
             drawn_count = tab.value("livePage.drawn") - drawn_before
             spent = os.times()
+            browser_s = processor_s(browser._process) - browser_s
             figures = session.measure.figures()
             if shots is not None:
                 tab.shot(shots)
@@ -204,6 +216,7 @@ def measured(
         "server_ms_a_frame": round(
             1e3 * (spent.user + spent.system - cpu.user - cpu.system) / max(drawn_count, 1), 1
         ),
+        "browser_ms_a_frame": round(1e3 * browser_s / max(drawn_count, 1), 1),
         "camera": session.tracker.camera_status,
         "load": os.getloadavg()[0],
     }

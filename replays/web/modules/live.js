@@ -36,7 +36,7 @@ class LivePage {
     document.body.append(this.element, this.bar, this.hint, this.foot);
     this.figures = new LiveFigures(this.foot);
     this.note = document.createElement("p");
-    this.note.className = "note";
+    this.note.className = "said";
     this.foot.append(this.note);
     const pose = { data: new Float64Array(7).fill(NaN), shape: [1, 7] };
     const about = { camera: GUESS, up: [0, 0, 1], grey: false, depth_m: [0.01, 50], world_T_camera: pose };

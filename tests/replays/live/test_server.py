@@ -1,0 +1,215 @@
+"""The live page's server: nobody without the link; frames that are none break nothing."""
+
+import contextlib
+import http.client
+import json
+import struct
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import websockets
+from websockets.sync.client import ClientConnection, connect
+
+from motorcade.replays.live import LiveTracker
+from motorcade.replays.live import app as live_app
+from motorcade.replays.live.figure import LiveFigure
+from motorcade.replays.live.session import LiveSession
+from motorcade.replays.live.wire import HEADER, MAX_FRAME_BYTES, MAX_SIDE, BrowserClock, read_frame
+from motorcade.replays.studio.access import Access
+from tests.bench.live import running
+from tests.replays.live.drawn import BOARD, CAMERA, frames, image_of, world_T_camera
+
+PATIENCE_S = 60.0
+NAN = float("nan")
+
+
+def a_session() -> LiveSession:
+    return LiveSession(LiveTracker(BOARD, CAMERA), LiveFigure("mannequin", 0.1))
+
+
+@pytest.fixture
+def access() -> Iterator[Access]:
+    with running(a_session()) as key:
+        yield key
+
+
+def visit(key: Access, **options: object) -> ClientConnection:
+    origin = f"http://{key.names[0]}"
+    address = f"ws://{key.names[0]}/{key.token}/live"
+    return connect(address, **{"origin": origin, "proxy": None, "max_size": 1 << 23} | options)
+
+
+def told(browser: ClientConnection) -> dict[str, object]:
+    return json.loads(browser.recv(PATIENCE_S))
+
+
+def bytes_of(image: np.ndarray, number: int, stamp_ms: float) -> bytes:
+    height, width = image.shape
+    return HEADER.pack(b"MLY1", number, stamp_ms, width, height, NAN) + image.tobytes()
+
+
+def closed(browser: ClientConnection) -> int:
+    with contextlib.suppress(websockets.ConnectionClosed):
+        while True:
+            browser.recv(PATIENCE_S)
+    assert browser.close_code is not None
+    return browser.close_code
+
+
+def asked(key: Access, path: str) -> tuple[int, dict[str, str]]:
+    host, _, port = key.names[0].partition(":")
+    connection = http.client.HTTPConnection(host, int(port), timeout=PATIENCE_S)
+    connection.request("GET", path)
+    answer = connection.getresponse()
+    answer.read()
+    connection.close()
+    return answer.status, {name.lower(): text for name, text in answer.getheaders()}
+
+
+def test_frames_are_answered_with_their_poses(access: Access) -> None:
+    image = image_of(world_T_camera(0, 5))
+    with visit(access) as browser:
+        assert told(browser) == {"hello": "film"}
+        for number in range(3):
+            browser.send(bytes_of(image, number, 1000.0 + 33.0 * number))
+            answer = told(browser)
+            assert (answer["frame"], answer["state"]) == (number, "tracking")
+        off = np.array(answer["pose"][:3]) - world_T_camera(0, 5).translation_m
+        assert np.linalg.norm(off) < 0.003
+        assert answer["camera"]["fx"] == CAMERA.fx
+        browser.send(json.dumps({"do": "stand", "frame": 2, "pixels": [[160, 120]]}))
+        browser.send(bytes_of(image, 3, 1100.0))
+        assert told(browser)["figure"]["motion"] == 0
+
+
+def test_the_page_alone_may_have_a_camera_and_the_link_is_needed(access: Access) -> None:
+    status, headers = asked(access, f"/{access.token}/")
+    assert status == 200
+    assert headers["permissions-policy"].startswith("camera=(self), microphone=()")
+    assert "default-src 'none'" in headers["content-security-policy"]
+    _, headers = asked(access, f"/{access.token}/studio/live.js")
+    assert headers["permissions-policy"].startswith("camera=()")
+    for path in ("/", "/live", "/wrong/", f"/{access.token[:-1]}/figure.glb"):
+        assert asked(access, path)[0] == 403
+    assert asked(access, f"/{access.token}/motion/0.json")[0] == 200
+    for path in ("motion/99.json", "motion/-1.json", "studio/..%2fserving.py"):
+        assert asked(access, f"/{access.token}/{path}")[0] == 404
+
+
+@pytest.mark.parametrize("options", [{"origin": None}, {"origin": "http://stranger.example"}])
+def test_a_socket_needs_our_own_page(access: Access, options: dict[str, object]) -> None:
+    with pytest.raises(websockets.InvalidStatus), visit(access, **options):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"", "a header"),
+        (b"MLY2" + bytes(20), "a header"),
+        (HEADER.pack(b"MLY1", 1, 0.0, 8, 240, NAN) + bytes(8 * 240), "sides of 64"),
+        (HEADER.pack(b"MLY1", 1, 0.0, 65535, 65535, NAN), f"64 to {MAX_SIDE}"),
+        (HEADER.pack(b"MLY1", 1, 0.0, 320, 240, NAN) + bytes(320 * 240 - 1), "76800 bytes"),
+        (HEADER.pack(b"MLY1", 1, 0.0, 320, 240, NAN) + bytes(320 * 240 + 1), "76800 bytes"),
+        (HEADER.pack(b"MLY1", 1, NAN, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
+        (HEADER.pack(b"MLY1", 1, -1.0, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
+        (HEADER.pack(b"MLY1", 1, 1e300, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
+    ],
+)
+def test_frames_that_are_none_are_refused(data: bytes, said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        read_frame(data)
+
+
+def test_stamps_that_go_back_or_jump_are_refused() -> None:
+    clock = BrowserClock(500, 10.0)
+    assert clock.stamp_ns(1e12, 10.0) == 500
+    assert clock.stamp_ns(1e12 + 33.0, 10.03) == 500 + 33_000_000
+    for stamp_ms in (1e12 + 33.0, 1e12 - 5.0):
+        with pytest.raises(ValueError, match="after the one before"):
+            clock.stamp_ns(stamp_ms, 10.1)
+    with pytest.raises(ValueError, match="a jump"):
+        clock.stamp_ns(1e12 + 3.6e6, 10.2)
+    assert clock.stamp_ns(1e12 + 250.0, 10.25) == 500 + 250_000_000
+
+
+def test_a_browser_that_sends_rubbish_is_told_so_and_heard_again(access: Access) -> None:
+    image = image_of(world_T_camera(0, 5))
+    with visit(access) as browser:
+        told(browser)
+        for data in (b"rubbish", "no JSON", "[" * 2000, json.dumps({"do": "fly"}), "x" * 9000):
+            browser.send(data)
+            assert "error" in told(browser)
+        browser.send(bytes_of(image, 1, 50.0))
+        assert told(browser)["state"] == "tracking"
+        browser.send(bytes_of(image, 2, 40.0))
+        assert told(browser)["state"] == "refused"
+        browser.send(bytes_of(np.zeros((480, 640), np.uint8), 3, 60.0))
+        assert "expected 320 x 240" in told(browser)["why"]
+        browser.send(bytes_of(image, 4, 90.0))
+        assert told(browser)["state"] == "tracking"
+
+
+def test_too_many_messages_too_many_faults_or_too_large_ones_end_a_visit(access: Access) -> None:
+    faults = 2 + live_app.MOST_REFUSED
+    for messages, code in (
+        (["drew 1"] * 600, 1008),
+        ([b"rubbish"] * faults, 1008),
+        ([bytes(MAX_FRAME_BYTES + 1)], 1009),
+    ):
+        with visit(access) as browser:
+            with contextlib.suppress(websockets.ConnectionClosed):
+                for message in messages:
+                    browser.send(message)
+            assert closed(browser) == code
+
+
+def test_of_frames_that_wait_the_newest_is_tracked(access: Access) -> None:
+    image = image_of(world_T_camera(0, 5))
+    with visit(access) as browser:
+        told(browser)
+        for number in range(40):
+            browser.send(bytes_of(image, number, 33.0 * number))
+        answered = [told(browser)["frame"]]
+        while answered[-1] != 39:
+            answered.append(told(browser)["frame"])
+        assert answered == sorted(set(answered))
+
+
+def test_others_look_on_and_the_session_outlives_its_camera(access: Access) -> None:
+    image = image_of(world_T_camera(0, 5))
+    with visit(access) as browser, visit(access) as other:
+        told(browser)
+        assert told(other) == {"hello": "watch"}
+        browser.send(bytes_of(image, 7, 33.0))
+        told(browser)
+        data = other.recv(PATIENCE_S)
+        (length,) = struct.unpack_from("<I", data)
+        about = json.loads(data[4 : 4 + length])
+        assert (about["frame"], about["state"]) == (7, "tracking")
+        assert data[4 + length :][:2] == b"\xff\xd8", "a JPEG"
+        other.send("drew 7")
+        other.send(b"a frame that nobody asked for")
+        assert closed(other) == 1008
+    until = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until:
+        with visit(access) as browser:
+            if told(browser) == {"hello": "film"}:
+                browser.send(bytes_of(image, 0, 1.0))  # its own clock began anew
+                assert told(browser)["state"] == "tracking"
+                return
+    raise AssertionError("the camera's place stays taken")
+
+
+def test_a_source_is_shown_to_whoever_comes_and_its_end_is_told() -> None:
+    with running(a_session(), frames(4, 3)) as access, visit(access) as browser:
+        assert told(browser) == {"hello": "watch"}
+        last: object = None
+        while not isinstance(last, str):
+            last = browser.recv(PATIENCE_S)
+            if isinstance(last, bytes):
+                (length,) = struct.unpack_from("<I", last)
+                browser.send(f"drew {json.loads(last[4 : 4 + length])['frame']}")
+        assert json.loads(last) == {"ended": "the source has ended"}
