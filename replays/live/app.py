@@ -12,7 +12,7 @@ import json
 import logging
 import threading
 import time
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -32,7 +32,6 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from motorcade.replays.live.frames import LiveFrame, newest
 from motorcade.replays.live.opening import LivePlan
 from motorcade.replays.live.session import LiveSession
-from motorcade.replays.live.tracker import FirstMarker
 from motorcade.replays.live.wire import (
     MAX_FRAME_BYTES,
     BrowserClock,
@@ -44,7 +43,6 @@ from motorcade.replays.studio.access import HEADERS, MAX_EDITORS, Access, Doorke
 from motorcade.replays.studio.app import KEPT, Shell, html
 from motorcade.replays.studio.serving import Listening, Notice, address_in_network, serve
 from motorcade.replays.studio.visitors import parsed
-from motorcade.tracking import Board
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -84,9 +82,9 @@ def serve_live(
         if listening.lan and listening.tls is None:
             from motorcade.replays.studio.certificates import own_certificate
 
-            certificate = stack.enter_context(own_certificate(address_in_network()))
-            listening = replace(listening, tls=certificate.files)
-            notice = replace(notice, fingerprint=certificate.fingerprint)
+            tls, fingerprint = stack.enter_context(own_certificate(address_in_network()))
+            listening = replace(listening, tls=tls)
+            notice = replace(notice, fingerprint=fingerprint)
         serve(
             lambda access: live_app(session, frames, access),
             listening,
@@ -174,21 +172,13 @@ class _Site:
 
     async def page(self, request: Request) -> Response:
         """The one page; it alone may have a camera."""
-        target = self._session.tracker.target
-        name = (
-            target.name
-            if isinstance(target, Board)
-            else f"a marker of {target.family}"
-            if isinstance(target, FirstMarker)
-            else "the place"
-        )
-        mode = "camera" if self._frames is None else "source"
         nonce, base = request.scope["nonce"], request.scope["root_path"]
-        answer = html(self.shell.page("live.html", base, nonce, mode=mode, target=name))
+        target = self._session.tracker.target_name
+        answer = html(self.shell.page("live.html", base, nonce, target=target))
         answer.headers["permissions-policy"] = _WITH_CAMERA
         return answer
 
-    async def figure(self, request: Request) -> Response:
+    async def figure(self, _: Request) -> Response:
         """What the figure looks like, as glTF."""
         glb = await run_in_threadpool(lambda: self._session.figure.glb)
         return Response(glb, media_type="model/gltf-binary", headers=KEPT)
@@ -237,7 +227,6 @@ class _Site:
         now_s = time.monotonic()
         since_ns = round(1e9 * max(0.001, now_s - self._last_s))
         clock = BrowserClock(0 if self._last_ns is None else self._last_ns + since_ns, now_s)
-        rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
         waiting: list[tuple[CameraFrame, float]] = []
         wake = asyncio.Event()
 
@@ -250,27 +239,20 @@ class _Site:
                 answer = await self._work(partial(self._answer, frame, clock, came_s))
                 await socket.send_text(answer)
 
+        async def take(message: Mapping[str, Any]) -> str:
+            data = message.get("bytes")
+            if data is None:
+                return await self._gesture(message.get("text") or "")
+            try:
+                waiting.append((read_frame(data), time.monotonic()))
+            except ValueError as fault:
+                return str(fault)
+            wake.set()
+            return ""
+
         tracking = asyncio.create_task(track())
         try:
-            while True:
-                message = await socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    return
-                if not rate.takes() or refused > MOST_REFUSED:
-                    await socket.close(1008, "too many messages")
-                    return
-                fault = ""
-                if (data := message.get("bytes")) is not None:
-                    try:
-                        waiting.append((read_frame(data), time.monotonic()))
-                        wake.set()
-                    except ValueError as error:
-                        fault = str(error)
-                else:
-                    fault = await self._gesture(message.get("text") or "")
-                if fault:
-                    refused += 1
-                    await socket.send_text(json.dumps({"error": fault}))
+            await _hear(socket, take)
         finally:
             tracking.cancel()
 
@@ -306,26 +288,18 @@ class _Site:
 
     async def _listen(self, viewer: _Viewer) -> None:
         """Hear what a viewer drew, and its gestures."""
-        rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
-        while True:
-            message = await viewer.socket.receive()
-            if message["type"] == "websocket.disconnect":
-                return
-            text = message.get("text")
-            if text is None or not rate.takes() or refused > MOST_REFUSED:
-                await viewer.socket.close(
-                    1008, "too many messages, or frames that nobody asked for"
-                )
-                return
-            if text.startswith("drew ") and text[5:].isdecimal() and len(text) < 20:
-                captured_s = viewer.captured_s.pop(int(text[5:]), None)
-                viewer.drew.set()
-                if captured_s is not None and self._frames is not None:
-                    latency_s = time.monotonic() - captured_s
-                    self._session.measure.drawn(latency_s)
-            elif fault := await self._gesture(text):
-                refused += 1
-                await viewer.socket.send_text(json.dumps({"error": fault}))
+
+        async def take(message: Mapping[str, Any]) -> str:
+            text = message.get("text") or ""
+            if not (text.startswith("drew ") and text[5:].isdecimal() and len(text) < 20):
+                return await self._gesture(text)
+            captured_s = viewer.captured_s.pop(int(text[5:]), None)
+            viewer.drew.set()
+            if captured_s is not None and self._frames is not None:
+                self._session.measure.drawn(time.monotonic() - captured_s)
+            return ""
+
+        await _hear(viewer.socket, take)
 
     async def _gesture(self, text: str) -> str:
         """Do what a message says; what was wrong with it, or nothing."""
@@ -365,3 +339,18 @@ class _Site:
 
     def _work(self, act: Any) -> asyncio.Future[Any]:
         return asyncio.get_running_loop().run_in_executor(self._worker, act)
+
+
+async def _hear(socket: WebSocket, take: Callable[[Mapping[str, Any]], Awaitable[str]]) -> None:
+    """Hand on a browser's messages until it goes or asks for too much.
+
+    `take` gives what is wrong with one, which the browser is told; "" for nothing.
+    """
+    rate, refused = MessageRate(a_second=MESSAGES_A_SECOND, at_once=MESSAGES_AT_ONCE), 0
+    while (message := await socket.receive())["type"] != "websocket.disconnect":
+        if not rate.takes() or refused > MOST_REFUSED:
+            await socket.close(1008, "too many messages")
+            return
+        if fault := await take(message):
+            refused += 1
+            await socket.send_text(json.dumps({"error": fault}))

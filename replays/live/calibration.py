@@ -88,15 +88,21 @@ class LiveCalibration:
         try:
             calibration = fit.result()
         except SelfCalibrationError as fault:
-            self._reason = str(fault)
+            self._reject(str(fault))
             return None
         if calibration.sigma_focal > GOOD_SIGMA:
-            self._reason = f"its focal length is known to {calibration.sigma_focal:.0%} only"
+            self._reject(f"known to {calibration.sigma_focal:.0%} only")
             return None
         if self.found is not None and calibration.sigma_focal >= self.found.sigma_focal:
             return None
         self.found = calibration
         return calibration
+
+    def _reject(self, reason: str) -> None:
+        """Say why there is no camera yet; after the last fit begin with other views."""
+        self._reason = reason
+        if self.found is None and len(self._views) >= FITTED_AT[-1]:
+            self._views, self._stamps = self._views[-1:], self._stamps[-1:]
 
     def close(self) -> None:
         """Leave what is under way."""

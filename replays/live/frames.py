@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
@@ -182,47 +183,42 @@ def newest(frames: Iterable[LiveFrame]) -> Iterator[LiveFrame]:
     >>> [frame.time_ns for frame in stream]
     [4]
     """
-    mailbox = _Mailbox()
-    thread = threading.Thread(target=mailbox.fill, args=(frames,), daemon=True, name="frames")
-    thread.start()
-    return mailbox.taken()
+    changed = threading.Condition()
+    held: deque[LiveFrame | Exception | None] = deque(maxlen=1)  # a fault or None is the last
+    left = threading.Event()
 
-
-class _Mailbox:
-    """Holds one frame."""
-
-    def __init__(self) -> None:
-        self._changed = threading.Condition()
-        self._frame: LiveFrame | None = None
-        self._fault: BaseException | None = None
-        self._ended = self._left = False
-
-    def fill(self, frames: Iterable[LiveFrame]) -> None:
-        """Put every frame in, over the one before, until the stream or its reader ends."""
+    def fill() -> None:
+        last: Exception | None = None
         try:
             for frame in frames:
-                with self._changed:
-                    self._frame = frame
-                    self._changed.notify()
-                    if self._left:
-                        break
+                with changed:
+                    held.append(frame)
+                    changed.notify()
+                if left.is_set():
+                    return
         except Exception as fault:  # whatever it is, the reader is told
-            self._fault = fault
-        with self._changed:
-            self._ended = True
-            self._changed.notify()
+            last = fault
+        with changed:
+            changed.wait_for(lambda: not held or left.is_set())
+            held.append(last)
+            changed.notify()
 
-    def taken(self) -> Iterator[LiveFrame]:
-        """Take the frame that lies there, or wait for one."""
+    def taken() -> Iterator[LiveFrame]:
         try:
             while True:
-                with self._changed:
-                    self._changed.wait_for(lambda: self._frame is not None or self._ended)
-                    frame, self._frame = self._frame, None
+                with changed:
+                    changed.wait_for(lambda: held)
+                    frame = held.pop()
+                    changed.notify()
+                if isinstance(frame, Exception):
+                    raise frame
                 if frame is None:
-                    if self._fault is not None:
-                        raise self._fault
                     return
                 yield frame
         finally:
-            self._left = True
+            with changed:
+                left.set()
+                changed.notify()
+
+    threading.Thread(target=fill, daemon=True, name="frames").start()
+    return taken()

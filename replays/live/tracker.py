@@ -12,7 +12,7 @@ states      searching   nothing was seen yet, or the camera is not known
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -37,7 +37,6 @@ from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import refine
 
 LiveState = Literal["searching", "tracking", "weak", "lost"]
-LIVE_STATES: tuple[LiveState, ...] = get_args(LiveState)
 
 PREDICTED_S = 0.1
 """How long a pose is predicted after the last measured one; `LiveSmoother.predict` says why."""
@@ -82,7 +81,7 @@ class LivePose:
 
     Fields:
         time_ns: the frame's stamp.
-        state: one of `LIVE_STATES`.
+        state: see above.
         why: the reason of any state but "tracking", for people; "" without.
         world_T_camera: None while nothing is known.
         camera: whose pose it is; None until it is found.
@@ -145,6 +144,13 @@ class LiveTracker:
         self._count = 0
 
     @property
+    def target_name(self) -> str:
+        """What is looked for, for people."""
+        if isinstance(self.target, FirstMarker):
+            return f"a marker of {self.target.family}"
+        return self.target.name if isinstance(self.target, Board) else "the place"
+
+    @property
     def camera_status(self) -> str:
         """What is known of the camera, for people."""
         return "camera as stated" if self.calibration is None else self.calibration.status
@@ -165,12 +171,14 @@ class LiveTracker:
         if isinstance(self.target, Board) and not self._stated:
             self._calibrate(self.target, frame)
         if isinstance(self.target, FirstMarker) or self.camera is None:
-            return LivePose(frame.time_ns, "searching", self._lacking())
+            lacking = self.camera_status
+            if isinstance(self.target, FirstMarker):
+                lacking = f"{self.target_name} is not in view"
+            return LivePose(frame.time_ns, "searching", lacking)
         if self.target == "slam":
-            pose = self._by_slam(frame, self.camera)
-        else:
-            pose = self._by_board(frame, self.camera, self.target)
-        return self._remembered(pose)
+            self._slam = self._slam or _PlaneSlam(self.camera)
+            return self._remembered(self._slam.update(frame))
+        return self._remembered(self._by_board(frame, self.camera, self.target))
 
     def close(self) -> None:
         """Leave what is being calibrated and mapped."""
@@ -190,11 +198,6 @@ class LiveTracker:
                 f"frame: expected {camera.width} x {camera.height} pixels as the camera has, got "
                 f"{width} x {height}; set the camera to that size, or leave it to be found"
             )
-
-    def _lacking(self) -> str:
-        if isinstance(self.target, FirstMarker):
-            return f"no marker of {self.target.family} in view"
-        return self.camera_status
 
     # The camera and the target -------------------------------------------------------------------
 
@@ -243,11 +246,6 @@ class LiveTracker:
             why = "corners lie more than a pixel off"
         state: LiveState = "weak" if why else "tracking"
         return LivePose(frame.time_ns, state, why, seen.world_T_camera, camera, held_out, True)
-
-    def _by_slam(self, frame: LiveFrame, camera: Camera) -> LivePose:
-        if self._slam is None:
-            self._slam = _PlaneSlam(camera)
-        return self._slam.update(frame)
 
     def _continues(self, time_ns: int) -> bool:
         return self._measured_ns is not None and time_ns - self._measured_ns <= _REPOSED_NS

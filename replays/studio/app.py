@@ -32,8 +32,6 @@ from motorcade.replays.web.page import WEB
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
-    from motorcade.replays.studio.offers import Offer
-
 
 KEPT = {"cache-control": "private, max-age=86400, immutable"}
 """Of answers that never change while the server runs."""

@@ -11,37 +11,27 @@ import datetime
 import ipaddress
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 LASTS = datetime.timedelta(days=1)
 
 
-@dataclass(frozen=True)
-class OwnCertificate:
-    """Files of a certificate and its key, PEM, and what people compare.
-
-    Fields:
-        files: of the certificate and of the key.
-        fingerprint: SHA-256 of the certificate, as browsers write it.
-    """
-
-    files: tuple[Path, Path]
-    fingerprint: str
-
-
 @contextlib.contextmanager
-def own_certificate(address: str) -> Iterator[OwnCertificate]:
+def own_certificate(address: str) -> Iterator[tuple[tuple[Path, Path], str]]:
     """A certificate for an IP address of this machine, for as long as the block lasts.
+
+    Returns:
+        files of the certificate and of its key, PEM; and the certificate's SHA-256 fingerprint, as
+        browsers write it.
 
     Raises:
         ModuleNotFoundError: the package cryptography is not installed.
         ValueError: no address.
 
     >>> from motorcade.replays.studio.certificates import own_certificate
-    >>> with own_certificate("127.0.0.1") as made_now:
-    ...     text = made_now.files[0].read_text()
-    >>> text.splitlines()[0], len(made_now.fingerprint.split(":"))
+    >>> with own_certificate("127.0.0.1") as (files, fingerprint):
+    ...     text = files[0].read_text()
+    >>> text.splitlines()[0], len(fingerprint.split(":"))
     ('-----BEGIN CERTIFICATE-----', 32)
     """
     from cryptography import x509
@@ -78,4 +68,4 @@ def own_certificate(address: str) -> Iterator[OwnCertificate]:
         for path, part in zip(files, parts, strict=True):
             path.touch(mode=0o600)
             path.write_bytes(part)
-        yield OwnCertificate(files, certificate.fingerprint(hashes.SHA256()).hex(":").upper())
+        yield files, certificate.fingerprint(hashes.SHA256()).hex(":").upper()

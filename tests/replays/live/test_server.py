@@ -192,7 +192,7 @@ def test_others_look_on_and_the_session_outlives_its_camera(access: Access) -> N
         assert data[4 + length :][:2] == b"\xff\xd8", "a JPEG"
         other.send("drew 7")
         other.send(b"a frame that nobody asked for")
-        assert closed(other) == 1008
+        assert "error" in told(other)
     until = time.monotonic() + PATIENCE_S
     while time.monotonic() < until:
         with visit(access) as browser:

@@ -83,7 +83,7 @@ def test_the_marker_that_is_seen_first_is_the_world() -> None:
     pose = world_T_camera(0, 1)
     tracker = LiveTracker(FirstMarker("tag36h11", 0.12), CAMERA)
     blank = np.full((CAMERA.height, CAMERA.width), 128, np.uint8)
-    assert "no marker" in tracker.update(LiveFrame(0, blank)).why
+    assert "not in view" in tracker.update(LiveFrame(0, blank)).why
     seen = tracker.update(LiveFrame(STEP_NS, image_of(pose, board)))
     assert tracker.target == board
     assert seen.measured
