@@ -26,7 +26,7 @@ from motorcade.animation.retarget import legs_of
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.pipeline.look.document import gltf_bytes
-from motorcade.replays.pipeline.look.packing import packed, rows_of
+from motorcade.replays.pipeline.look.packing import packed, rows_of, scaled_rows
 from motorcade.replays.stages.characters.acting import IDLE, character_named
 from motorcade.replays.stages.characters.casting import rigid_clip
 from motorcade.tracking import Camera
@@ -181,9 +181,8 @@ class LiveFigure:
             poses = self._motions[motion].poses
         else:
             return None
-        rows = rows_of(self.character.skeleton.world(poses))
-        rows = np.concatenate([rows, np.ones_like(rows[..., :1])], axis=-1)
-        return {"joints": packed(rows), "loops": motion == 0}
+        joints = packed(scaled_rows(self.character.skeleton.world(poses)))
+        return {"joints": joints, "loops": motion == 0}
 
     def _settle(self, time_s: float) -> None:
         """Stand where a walk that is over has led."""

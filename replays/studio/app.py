@@ -13,7 +13,7 @@ import json
 from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
@@ -28,6 +28,7 @@ from motorcade.replays.studio.access import MAX_EDITORS, Access, Doorkeeper
 from motorcade.replays.studio.offers import Offer, OpenedOffers
 from motorcade.replays.studio.visitors import Visitors
 from motorcade.replays.web.page import WEB
+from motorcade.replays.web.pages import page_environment
 
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
@@ -101,7 +102,7 @@ class _Site:
 
     async def installation(self, request: Request) -> Response:
         """What a phone asks for that keeps the page as an app."""
-        text = json.dumps(self.shell.installation(request.scope["root_path"]))
+        text = self.shell.page("app.webmanifest", request.scope["root_path"], "")
         return Response(text, media_type="application/manifest+json")
 
     async def editor(self, request: Request) -> Response:
@@ -197,15 +198,7 @@ class Shell:
     """What frames the pages: templates of a folder. Reads the pages' files when it is made."""
 
     def __init__(self, folder: Path = Path(__file__).parent) -> None:
-        from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-        self._templates = Environment(
-            loader=FileSystemLoader(folder),
-            autoescape=True,
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
+        self._templates = page_environment(folder)
         self.files: Mapping[str, PageFile] = {
             path.name: PageFile(path.read_bytes(), _TYPES[path.suffix])
             for path in sorted(WEB.iterdir())
@@ -228,26 +221,3 @@ class Shell:
         imports = json.dumps({"imports": modules}).replace("<", "\\u003c")
         page = self._templates.get_template(template)
         return page.render(base=base, nonce=nonce, imports=imports, **values)
-
-    @staticmethod
-    def installation(base: str) -> dict[str, Any]:
-        """A web app manifest."""
-        sizes = ((192, "any"), (512, "any"), (512, "maskable"))
-        return {
-            "name": "Motorcade scenes",
-            "short_name": "Motorcade",
-            "start_url": f"{base}/",
-            "scope": f"{base}/",
-            "display": "standalone",
-            "background_color": "#15181c",
-            "theme_color": "#15181c",
-            "icons": [
-                {
-                    "src": f"{base}/studio/icon-{size}.png",
-                    "sizes": f"{size}x{size}",
-                    "type": "image/png",
-                    "purpose": purpose,
-                }
-                for size, purpose in sizes
-            ],
-        }

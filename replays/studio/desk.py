@@ -25,12 +25,12 @@ import numpy as np
 from motorcade.animation.authoring import scene_text
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.replays.pipeline.look.document import shown_camera
-from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.pipeline.look.packing import packed, rows_of
 from motorcade.replays.studio.drawing import FilmDrawing
 from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
 from motorcade.replays.studio.first_scene import first_scene
 from motorcade.replays.studio.offers import Answer, Offer
-from motorcade.replays.studio.played import PlayedScene, rows
+from motorcade.replays.studio.played import PlayedScene
 from motorcade.replays.studio.props import Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
@@ -68,7 +68,7 @@ class RunDesk:
     def about(self) -> dict[str, Any]:
         """What there is, for the page."""
         filmed, scene = self.filmed, self.session.history.scene
-        poses = rows(filmed.world_T_camera)[:, :7]
+        poses = rows_of(filmed.world_T_camera)
         poses[~filmed.has_pose] = np.nan
         first = filmed.ground(filmed.first)
         anchors = dict(scene.anchors) | {

@@ -17,10 +17,9 @@ from motorcade.animation import Character, Clip
 from motorcade.animation.authoring import Scene, SceneWalk, between_keyframes
 from motorcade.animation.authoring.fields import part_json
 from motorcade.ga import Motor, Rotor, Similarity
-from motorcade.ga.arrays import FloatArray
 from motorcade.ga.files import off_record
 from motorcade.replays.pipeline.look.document import gltf_bytes
-from motorcade.replays.pipeline.look.packing import packed, rows_of
+from motorcade.replays.pipeline.look.packing import packed, scaled_rows
 from motorcade.replays.stages.characters.acted import Acted, acted
 from motorcade.replays.studio.filmed import Filmed
 
@@ -119,7 +118,7 @@ class PlayedScene:
             return None
         acted = known[1]
         return {
-            "joints": packed(rows(acted.character.skeleton.world(self.local_poses(acted)))),
+            "joints": packed(scaled_rows(acted.character.skeleton.world(self.local_poses(acted)))),
             "morphs": None,
             "size": acted.size,
             "height_m": acted.size * acted.character.height_m,
@@ -152,12 +151,3 @@ def _from_the_origin(scene: Scene, name: str) -> Scene:
     flat = np.column_stack([part.walk.path_m, np.zeros(len(part.walk.path_m))])
     way = _parent_T_way(part.walk).inverse().apply(flat)[:, :2].round(9) + 0.0
     return scene.with_part(name, replace(part, walk=replace(part.walk, path_m=way)))
-
-
-def rows(poses: Motor | Similarity) -> FloatArray:
-    """Poses ``(*, 8)`` for the page: x y z, w x y z, scale."""
-    if isinstance(poses, Motor):
-        numbers = rows_of(poses)
-        return np.concatenate([numbers, np.ones_like(numbers[..., :1])], axis=-1)
-    rigid, scale = poses.as_motor_scale()
-    return np.concatenate([rows_of(rigid), scale[..., None]], axis=-1)

@@ -30,12 +30,12 @@ from motorcade.animation.authoring import (
 from motorcade.animation.authoring.fields import anchor_json, layer_json, part_json
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
-from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.pipeline.look.packing import packed, scaled_rows
 from motorcade.replays.stages.characters.acted import Acted
 from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
 from motorcade.replays.studio.filmed import Filmed, spoken
 from motorcade.replays.studio.offers import Answer
-from motorcade.replays.studio.played import PlayedScene, rows
+from motorcade.replays.studio.played import PlayedScene
 from motorcade.replays.studio.props import GROUND, Props, free_name, pace_at, room_m, thinned
 from motorcade.replays.studio.visitors import (
     frame_number,
@@ -228,7 +228,7 @@ class EditingSession:
         amount = number_of(message, "amount") if "amount" in message else None
         rays = () if amount is not None else self._rays(frame, message)
         if isinstance(drag, LimbDrag):
-            joints = {drag.name: packed(rows(drag.move(rays))[None])}
+            joints = {drag.name: packed(scaled_rows(drag.move(rays))[None])}
             return Answer({"joints": joints}, {"joints": joints})
         scene = drag.move(rays, amount)
         poses = self._poses(scene, drag)
@@ -441,7 +441,7 @@ class EditingSession:
     def _poses(self, scene: Scene, drag: ObjectDrag) -> dict[str, list[float]]:
         """Where what is dragged, and all that hangs on it, is in the image on show."""
         return {
-            name: rows(scene.world_T_object(name, drag.time_s, drag.anchors)).tolist()
+            name: scaled_rows(scene.world_T_object(name, drag.time_s, drag.anchors)).tolist()
             for name in scene.branch(drag.name)
         }
 
@@ -535,8 +535,8 @@ class SceneView:
                 about["held_by"] = self._held_by[figure]
         if before is None or not self.played.stands_alike(before, scene, name):
             track = self.played.world_T_object(scene, name)
-            about["track"] = packed(rows(track), "f64")
-            about["ground"] = packed(rows(self.played.world_T_parent(scene, name)), "f64")
+            about["track"] = packed(scaled_rows(track), "f64")
+            about["ground"] = packed(scaled_rows(self.played.world_T_parent(scene, name)), "f64")
             way = track.translation_m
             moves = len(way) > 1
             about["way"] = packed(way[:: -(-len(way) // MOST_POINTS)]) if moves else None

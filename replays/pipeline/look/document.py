@@ -25,7 +25,7 @@ import numpy as np
 
 from motorcade.animation import Character, write_gltf
 from motorcade.fusion.metrics.consistency import chi2_bounds
-from motorcade.ga import Motor, Similarity
+from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import off_record, read_bounded
 from motorcade.ga.progress import track
@@ -43,6 +43,7 @@ from motorcade.replays.pipeline.look.packing import (
     packed,
     packed_smooth,
     rows_of,
+    scaled_rows,
     shown_paths,
     text,
 )
@@ -285,9 +286,9 @@ def shown_character(name: str, figure: Performer, time_ns: IntArray) -> dict[str
     return {
         "name": name,
         "gltf": text(gltf_bytes(figure.character)),
-        "joints": packed_smooth(_rows(world), FINEST),
+        "joints": packed_smooth(scaled_rows(world), FINEST),
         "morphs": None if weights is None else packed(weights),
-        "world_T_character": packed(_rows(stands), "f64"),
+        "world_T_character": packed(scaled_rows(stands), "f64"),
         "visible_s": None if seen is None else [float(one) for one in seen],
         "height_m": float(stands.as_motor_scale()[1][0]) * figure.character.height_m,
     }
@@ -299,15 +300,6 @@ def gltf_bytes(character: Character) -> bytes:
         path = Path(folder, "character.glb")
         write_gltf(path, character, [])
         return read_bounded(path, GLTF_LIMIT)
-
-
-def _rows(poses: Motor | Similarity) -> FloatArray:
-    """Poses ``(*, 8)``: x y z, w x y z, scale."""
-    if isinstance(poses, Motor):
-        rows = rows_of(poses)
-        return np.concatenate([rows, np.ones_like(rows[..., :1])], axis=-1)
-    rigid, scale = poses.as_motor_scale()
-    return np.concatenate([rows_of(rigid), scale[..., None]], axis=-1)
 
 
 MOST_POINTS = 60_000

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.fusion.metrics import alignment_of, associate
 from motorcade.fusion.metrics.poses.alignment import Alignment
-from motorcade.ga import Motor, Trajectory
+from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.pipeline.report.findings import LABELS, Findings, told_paths
 from motorcade.replays.stages.view.overlay import extrapolated
@@ -119,6 +119,15 @@ def rows_of(poses: Motor) -> FloatArray:
     """Poses ``(*, 7)``: x y z, then w x y z."""
     wxyz, places = poses.as_quaternion_translation()
     return np.concatenate([places, wxyz], axis=-1)
+
+
+def scaled_rows(poses: Motor | Similarity) -> FloatArray:
+    """Poses ``(*, 8)``: x y z, then w x y z, then the scale."""
+    if isinstance(poses, Motor):
+        rows = rows_of(poses)
+        return np.concatenate([rows, np.ones_like(rows[..., :1])], axis=-1)
+    rigid, scale = poses.as_motor_scale()
+    return np.concatenate([rows_of(rigid), scale[..., None]], axis=-1)
 
 
 def _truth(findings: Findings) -> Trajectory | None:
