@@ -27,8 +27,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.pipeline.look.document import gltf_bytes
 from motorcade.replays.pipeline.look.packing import packed, rows_of, scaled_rows
-from motorcade.replays.stages.characters.acting import IDLE, character_named
-from motorcade.replays.stages.characters.casting import rigid_clip
+from motorcade.replays.stages.characters.acting import IDLE, character_named, rigid_clip
 from motorcade.tracking import Camera
 
 RATE_HZ = 30.0
