@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import radians
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -43,8 +43,10 @@ from motorcade.ga.trajectory_edits import (
     scaled,
     shifted,
 )
-from motorcade.render.plots import ErrorsAlong, plot_errors_along, standing_alone
 from motorcade.replays.io.trajectories import TrajectoryFormat, split_bag_name, write_trajectory
+
+if TYPE_CHECKING:
+    from motorcade.render.plots import ErrorsAlong
 
 _HEADER = "estimate,time_ns,distance_m,position_error_m,rotation_error_deg"
 
@@ -97,6 +99,9 @@ def error_image(matched: Mapping[str, Matched], delta: Delta, plane: Plane | Non
         >>> error_image({"slam": match(path, path)}, Delta()).startswith("<svg")
         True
     """
+    # Not at the top: paths are edited and smoothed where nothing is drawn.
+    from motorcade.render.plots import plot_errors_along, standing_alone
+
     start_ns = min(int(one.pairs.time_ns[0]) for one in matched.values())
     along = {name: _along(one, delta, start_ns) for name, one in matched.items()}
     longest = max((one.reference for one in matched.values()), key=len)
@@ -107,6 +112,8 @@ def error_image(matched: Mapping[str, Matched], delta: Delta, plane: Plane | Non
 
 
 def _along(matched: Matched, delta: Delta, start_ns: int) -> ErrorsAlong:
+    from motorcade.render.plots import ErrorsAlong
+
     ours, true = matched.pairs.estimate, matched.pairs.reference
     time_s: FloatArray = np.asarray((matched.pairs.time_ns - start_ns) * 1e-9, dtype=np.float64)
     try:

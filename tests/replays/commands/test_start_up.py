@@ -17,7 +17,6 @@ HELP = {
             "arguments",
             "cameras",
             "characters",
-            "comparison",
             "evaluation",
             "fusion",
             "imu",
