@@ -21,6 +21,7 @@ HELP = {
             "fusion",
             "imu",
             "inspection",
+            "live",
             "main",
             "runs",
             "tools",
