@@ -1,7 +1,7 @@
 """Light of a scene: chosen for the viewer, or estimated from the images."""
 
 from motorcade.render.harmonics import harmonics, irradiance_factors, rotate_harmonics
-from motorcade.render.light.cast import CastShadow, cast_shadows
+from motorcade.render.light.cast import cast_shadows
 from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
@@ -27,6 +27,7 @@ from motorcade.render.light.monocular import (
     lighting_without_depth,
 )
 from motorcade.render.light.prints import MOST_OVER, PAPER, Prints
+from motorcade.render.light.sides import CastShadow
 
 __all__ = [
     "MOST_OVER",

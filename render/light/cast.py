@@ -19,11 +19,8 @@ from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.light.ground import GroundMap
+from motorcade.render.light.sides import DARK, LARGEST, SMALLEST, CastShadow, sided_shadows
 
-SMALLEST, LARGEST = 60, 0.12
-"""Of a thing: its cells at least, and its share of the map at most."""
-DARK = 0.15
-"""Of the brightest ground: what is darker farther out is other ground."""
 LARGEST_INSIDE = 0.01
 """Of the map: the inside of a thing that looks alike from everywhere."""
 OWN_RIM, REACH = 1.5, (3.0, 16.0, 40.0)
@@ -62,33 +59,8 @@ apart, whose lines of sight leave a round foot at the sine of half that angle. I
 seen alike by all."""
 BLACK = 0.1
 """Of the brightest ground: what is darker beside what scatters is a black thing."""
-
-
-@dataclass(frozen=True, eq=False)
-class CastShadow:
-    """What one thing takes from the ground beside it.
-
-    Attributes:
-        middle_m: (2,) of the thing, in the ground's frame.
-        towards: (2,) unit vector on the ground, against the shadow: where the light comes from.
-        darkening: share of light that is gone where the lamp is hidden, beside what is gone
-            because the thing hides sky.
-        weight: how much of what is gone the shadow explains, 0 to 1.
-        lamp_radius_rad: apparent radius of the light by how soft the shadow is, were it 45° high.
-        elevation_rad: of the light, by the thing's height; None where that is not seen.
-
-    >>> import numpy as np
-    >>> from motorcade.render.light import CastShadow
-    >>> CastShadow(np.zeros(2), np.array([1.0, 0.0]), 0.6, 0.9).darkening
-    0.6
-    """
-
-    middle_m: FloatArray
-    towards: FloatArray
-    darkening: float
-    weight: float
-    lamp_radius_rad: float | None = None
-    elevation_rad: float | None = None
+FEWEST = 2
+"""Where fewer shadows are fitted, the side that is dark is asked."""
 
 
 def cast_shadows(ground: GroundMap) -> list[CastShadow]:
@@ -101,6 +73,15 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
         One for each thing that has a shadow which falls about as the others do; none where nothing
         stands there, where light comes from straight above or from all sides.
     """
+    fitted = _fitted(ground)
+    if len(fitted) >= FEWEST:
+        return fitted
+    sided = sided_shadows(ground, _standing(ground))
+    return sided if len(sided) > len(fitted) else fitted
+
+
+def _fitted(ground: GroundMap) -> list[CastShadow]:
+    """Shadows as posts throw them, which fall about one way."""
     tried = [(thing, *_tried(thing)) for thing in _things(ground)]
     tried = [
         fit for fit in tried if fit[2][..., 0].min() < (1.0 - EXPLAINED) * fit[1] and fit[1] > 0.0

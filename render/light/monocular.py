@@ -33,10 +33,11 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
-from motorcade.render.light.cast import CastShadow, cast_shadows, things_seen
+from motorcade.render.light.cast import cast_shadows, things_seen
 from motorcade.render.light.ground import GroundMap, ground_map
 from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
 from motorcade.render.light.prints import Prints, light_on_paper
+from motorcade.render.light.sides import CastShadow
 from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting, Sun
 from motorcade.tracking.cameras.camera import Camera
 
