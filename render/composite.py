@@ -116,9 +116,9 @@ def stored_ends(images: Sequence[ImageArray]) -> tuple[int, int]:
     >>> stored_ends([np.clip(ramp, 16, 235).astype(np.uint8)])
     (16, 235)
     """
-    count = sum(np.bincount(image[::2, ::2].ravel(), minlength=256) for image in images)
+    count = np.bincount(np.concatenate([one[::2, ::2].ravel() for one in images]), minlength=256)
     ends = []
-    for share in (count / np.sum(count), (count / np.sum(count))[::-1]):
+    for share in (count / count.sum(), count[::-1] / count.sum()):
         end = int(np.argmax(np.cumsum(share) >= REACHED))
         pile, beside = share[: end + 3].sum() / 3.0, share[end + 3 : end + 3 + END_BYTES]
         ends.append(end if pile > PILED * np.median(beside) and end < FARTHEST else 0)

@@ -113,7 +113,7 @@ def light_on_paper(
         black = np.quantile(shown[~bright], BLACK_AT, axis=0)
         if white.mean() > LEAST_CONTRAST * black.mean():
             least = np.maximum(white - black, 1e-4) / (PAPER - INK)
-            full = np.mean(shown[bright] >= to_linear(BRIGHTEST / 255.0), axis=0)
+            full = np.mean(shown[bright] >= to_linear(np.array(BRIGHTEST / 255.0)), axis=0)
             over = np.clip(black / INK / least, 1.0, MOST_OVER)
             light.append((int(k), least * over ** (BELIEVED * full)))
     return light
