@@ -3,17 +3,10 @@
 How much an evaluation may cost: steps, and terms of all its products and sums.
 
 What a step costs is estimated from the blades of its operands, before it is done.
-
-What a call means: a function, a macro of the script, or one of its algebra's.
-
-Functions of Gaalop's come first, in any case of letters, as no macro of theirs name is ever called
-there. A script's macros come before its algebra's and before the other functions, wherever in the
-script they stand, but for calls inside the macro itself and inside the algebra's own.
 """
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -23,12 +16,11 @@ from motorcade.ga.algebra import Algebra, Multivector
 from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
 from motorcade.ga.algebra.scalars import is_numeric
 from motorcade.ga.script import clucalc
-from motorcade.ga.script.algebras import AlgebraDefinition, definitions
+from motorcade.ga.script.algebras import AlgebraDefinition, Macros
 from motorcade.ga.script.errors import Place, ScriptError, Source
 from motorcade.ga.script.functions import (
     ANY_CASE,
     FUNCTIONS,
-    Function,
     chosen,
     computed,
     decided,
@@ -555,67 +547,3 @@ def _of_function(name: str, x: Multivector) -> int:
     if name != "exp" or square_of(without_scalar(x)) is not None:
         return _CLOSED * size * size
     return _SERIES * size * whole
-
-
-Key = tuple[str, int]
-
-
-class Macros:
-    """The macros that a script sees."""
-
-    def __init__(self, script: syntax.Script, definition: AlgebraDefinition) -> None:
-        self.own: dict[Key, syntax.Macro] = {}
-        self._definition = definition
-        for statement in script.statements:
-            if isinstance(statement, syntax.Macro):
-                self._define(statement)
-
-    def _define(self, macro: syntax.Macro) -> None:
-        key = (macro.name, macro.arity)
-        if key in self.own or macro.name.lower() in ANY_CASE:
-            raise macro.source.error(
-                macro.place, f"{macro.name} is already defined", "choose another name"
-            )
-        self.own[key] = macro
-
-    def named(self, name: str) -> syntax.Macro | None:
-        """The script's macro of a name whatever it takes, if there is one."""
-        return next((macro for (known, _), macro in self.own.items() if known == name), None)
-
-    def is_own(self, macro: syntax.Macro | None) -> bool:
-        """Whether a macro is the script's, or one that it imports."""
-        return macro is not None and self.own.get((macro.name, macro.arity)) is macro
-
-    def found(
-        self, name: str, count: int, inside: syntax.Macro | None
-    ) -> Function | syntax.Macro | None:
-        """What a call of `count` arguments means in the body of a macro, or outside of all."""
-        if name.lower() in ANY_CASE:
-            return FUNCTIONS[name.lower()]
-        places = [self._definition.macros]
-        if inside is None or self.is_own(inside):
-            places.insert(0, self.own)
-        for macros in places:
-            macro = macros.get((name, count))
-            if macro is not None and macro is not inside:
-                return macro
-        return FUNCTIONS.get(name)
-
-    def unknown(self, node: syntax.Call, inside: syntax.Macro | None) -> tuple[str, str]:
-        """Message and hint for a call that means nothing."""
-        known = [*self.own, *self._definition.macros]
-        counts = sorted({arity for name, arity in known if name == node.name})
-        counts = [count for count in counts if count != len(node.arguments)]
-        if counts:
-            wanted = " or ".join(map(str, counts))
-            return f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}", ""
-        message = f"there is no function or macro {node.name[:40]}"
-        if inside is not None and inside.name == node.name:
-            return message, "inside itself: a macro calls others alone"
-        names = [*FUNCTIONS, *dict.fromkeys(name for name, _ in known if name[0] != "_")]
-        near = difflib.get_close_matches(node.name[:40], names, n=1, cutoff=0.75)
-        here = self._definition.algebra
-        for name, other in definitions().items():
-            if other.algebra != here and any(macro == node.name for macro, _ in other.macros):
-                return message, f"{node.name} is a macro of {name}, and this is {here}"
-        return message, f"did you mean {near[0]}?" if near else "define it as a macro"

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from motorcade.ga.algebra import Algebra
 from motorcade.ga.script import clucalc
-from motorcade.ga.script.algebras import AlgebraDefinition
+from motorcade.ga.script.algebras import AlgebraDefinition, Macros
 from motorcade.ga.script.errors import Place
 from motorcade.ga.script.reading import syntax
-from motorcade.ga.script.run import Macros, constants_of
+from motorcade.ga.script.run import constants_of
 
 
 class _Names:

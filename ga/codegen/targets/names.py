@@ -19,9 +19,8 @@ from motorcade.ga.codegen.targets.shared.text import SAME_NAMES, variables
 C_FUNCTIONS = SAME_NAMES | {"abs": "fabs", "min": "fmin", "max": "fmax"}
 
 
-_RESERVED: dict[str, str] = tomllib.loads(
-    Path(__file__).with_name("reserved.toml").read_text(encoding="utf-8")
-)
+_TABLE = Path(__file__).with_name("reserved.toml")
+_RESERVED: dict[str, str] = tomllib.loads(_TABLE.read_text(encoding="utf-8"))
 
 
 def reserved_words(language: str) -> frozenset[str]:

@@ -9,10 +9,17 @@ A definition has the tables ``squares`` (1, -1 or 0 by basis vector, in the orde
 may have ``null_pairs`` (pairs of vectors of square 0 whose inner product is -1), ``named`` (sums of
 basis vectors by a name of their own), ``names`` (of the algebra) and ``macros`` (the name of a file
 below the definition's folder).
+
+What a call means: a function, a macro of the script, or one of its algebra's.
+
+Functions of Gaalop's come first, in any case of letters, as no macro of theirs name is ever called
+there. A script's macros come before its algebra's and before the other functions, wherever in the
+script they stand, but for calls inside the macro itself and inside the algebra's own.
 """
 
 from __future__ import annotations
 
+import difflib
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -23,15 +30,17 @@ from typing import Any
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra
 from motorcade.ga.algebra.signature import MAX_DIMENSION
 from motorcade.ga.files import FileError, read_bounded
-from motorcade.ga.script.reading.parser import MAX_IMPORTED_BYTES, parse, path_below, text_of
-from motorcade.ga.script.reading.syntax import Macro, Screen, Script
+from motorcade.ga.script.errors import MAX_IMPORTED_BYTES, path_below, text_of
+from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function
+from motorcade.ga.script.reading.parser import parse
+from motorcade.ga.script.reading.syntax import Call, Macro, Screen, Script
 
 __all__ = ["AlgebraDefinition", "definition_of", "definitions", "read_definition"]
 
 
 MAX_DEFINITION_BYTES = 100_000
 MAX_NAME = 64
-Macros = Mapping[tuple[str, int], Macro]
+_Table = Mapping[tuple[str, int], Macro]
 _TABLES = ("names", "squares", "null_pairs", "named", "macros")
 _KNOWN = {algebra: algebra for algebra in (CGA3, EGA3, PGA3)}
 
@@ -46,7 +55,7 @@ class AlgebraDefinition:
     macro_file: str = ""
 
     @cached_property
-    def macros(self) -> Macros:
+    def macros(self) -> _Table:
         """The macros, read when they are first asked for.
 
         Raises FileError: a file that cannot be read; ScriptError: what is wrong with one.
@@ -163,3 +172,65 @@ def _expect(holds: bool, field: str, wanted: str, got: object) -> None:
 def _texts(value: Any) -> bool:
     texts = isinstance(value, list) and all(isinstance(item, str) for item in value)
     return texts and all(len(item) <= MAX_NAME for item in value)
+
+
+Key = tuple[str, int]
+
+
+class Macros:
+    """The macros that a script sees."""
+
+    def __init__(self, script: Script, definition: AlgebraDefinition) -> None:
+        self.own: dict[Key, Macro] = {}
+        self._definition = definition
+        for statement in script.statements:
+            if isinstance(statement, Macro):
+                self._define(statement)
+
+    def _define(self, macro: Macro) -> None:
+        key = (macro.name, macro.arity)
+        if key in self.own or macro.name.lower() in ANY_CASE:
+            raise macro.source.error(
+                macro.place, f"{macro.name} is already defined", "choose another name"
+            )
+        self.own[key] = macro
+
+    def named(self, name: str) -> Macro | None:
+        """The script's macro of a name whatever it takes, if there is one."""
+        return next((macro for (known, _), macro in self.own.items() if known == name), None)
+
+    def is_own(self, macro: Macro | None) -> bool:
+        """Whether a macro is the script's, or one that it imports."""
+        return macro is not None and self.own.get((macro.name, macro.arity)) is macro
+
+    def found(self, name: str, count: int, inside: Macro | None) -> Function | Macro | None:
+        """What a call of `count` arguments means in the body of a macro, or outside of all."""
+        if name.lower() in ANY_CASE:
+            return FUNCTIONS[name.lower()]
+        places = [self._definition.macros]
+        if inside is None or self.is_own(inside):
+            places.insert(0, self.own)
+        for macros in places:
+            macro = macros.get((name, count))
+            if macro is not None and macro is not inside:
+                return macro
+        return FUNCTIONS.get(name)
+
+    def unknown(self, node: Call, inside: Macro | None) -> tuple[str, str]:
+        """Message and hint for a call that means nothing."""
+        known = [*self.own, *self._definition.macros]
+        counts = sorted({arity for name, arity in known if name == node.name})
+        counts = [count for count in counts if count != len(node.arguments)]
+        if counts:
+            wanted = " or ".join(map(str, counts))
+            return f"{node.name}: expected {wanted} arguments, got {len(node.arguments)}", ""
+        message = f"there is no function or macro {node.name[:40]}"
+        if inside is not None and inside.name == node.name:
+            return message, "inside itself: a macro calls others alone"
+        names = [*FUNCTIONS, *dict.fromkeys(name for name, _ in known if name[0] != "_")]
+        near = difflib.get_close_matches(node.name[:40], names, n=1, cutoff=0.75)
+        here = self._definition.algebra
+        for name, other in definitions().items():
+            if other.algebra != here and any(macro == node.name for macro, _ in other.macros):
+                return message, f"{node.name} is a macro of {name}, and this is {here}"
+        return message, f"did you mean {near[0]}?" if near else "define it as a macro"

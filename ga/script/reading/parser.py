@@ -13,23 +13,16 @@ Pragmas of CLUScript: lines ``#pragma …`` or ``//#pragma …`` beside the stat
 
 What a pragma of Gaalop says to its own writers or screen alone is read and left out, with a warning
 where somebody could count on it.
-
-Files of macros that a script imports: where they may lie, and how many there may be.
-
-A file is named below the script's own folder, by plain names: no path leads out of it. Each file is
-read once, however often it is named.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
-from motorcade.ga.files import FileError, read_bounded
-from motorcade.ga.script.errors import Place, Source
+from motorcade.ga.script.errors import Imports, Place, Source
 from motorcade.ga.script.reading import syntax
 from motorcade.ga.script.reading.expressions import Cursor, parse_expression
 from motorcade.ga.script.reading.lexer import Token, tokenize
@@ -98,7 +91,7 @@ def _parsed(source: Source, folder: Path | None, imports: Imports) -> syntax.Scr
 def _imported(source: Source, pragma: syntax.ImportPragma, imports: Imports) -> list[syntax.Macro]:
     """The macros of a file, and of those that it imports."""
     imported: list[syntax.Macro] = []
-    with imports.opened(source, pragma) as file:
+    with imports.opened(source, pragma.place, pragma.file) as file:
         if file is None:
             return []
         script = _parsed(file, imports.folder, imports)
@@ -564,69 +557,3 @@ _READERS: dict[str, Callable[[str, Token], list[syntax.Pragma]]] = {
     "segments": _left_out(""),
     "triangles": _left_out(""),
 }
-
-
-MAX_IMPORTED_BYTES = 1_000_000
-MAX_IMPORTS = 32
-MAX_IMPORT_DEPTH = 8
-
-
-def path_below(folder: Path | None, file: str) -> Path:
-    """Where a file lies that is named below a folder.
-
-    Raises:
-        ValueError: no folder, or a path that leads out of it.
-    """
-    if folder is None:
-        raise ValueError(f"{file}: only a script that is read from a file names others")
-    path = folder / file
-    if ".." in Path(file).parts or not path.resolve().is_relative_to(folder.resolve()):
-        raise ValueError(f"{file}: expected a file below the folder of what names it")
-    return path
-
-
-def text_of(path: Path, data: bytes) -> str:
-    """The text of a file.
-
-    Raises:
-        FileError: it is no UTF-8.
-    """
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as refused:
-        raise FileError(path, f"expected UTF-8 text at offset {refused.start}") from refused
-
-
-class Imports:
-    """The files that one script has imported so far, and those that are being read now."""
-
-    def __init__(self, folder: Path | None) -> None:
-        self.folder = folder
-        self._read: set[str] = set()
-        self._depth = 0
-
-    @contextmanager
-    def opened(self, source: Source, pragma: syntax.ImportPragma) -> Iterator[Source | None]:
-        """The text that an import names; None if it has been read.
-
-        Raises ScriptError: a file that cannot be read, too many, or too deep in each other.
-        """
-        if pragma.file in self._read:
-            yield None
-            return
-        self._read.add(pragma.file)
-        if len(self._read) > MAX_IMPORTS or self._depth >= MAX_IMPORT_DEPTH:
-            raise source.error(
-                pragma.place,
-                f"expected at most {MAX_IMPORTS} imports, {MAX_IMPORT_DEPTH} in each other",
-            )
-        try:
-            path = path_below(self.folder, pragma.file)
-            text = text_of(path, read_bounded(path, MAX_IMPORTED_BYTES))
-        except ValueError as refused:
-            raise source.error(pragma.place, str(refused)) from refused
-        self._depth += 1
-        try:
-            yield Source(text, str(path))
-        finally:
-            self._depth -= 1

@@ -10,8 +10,8 @@ from motorcade.ga.codegen.generate import read_script
 from motorcade.ga.files import FileError
 from motorcade.ga.script import ScriptError, algebras, evaluate, parse
 from motorcade.ga.script.algebras import definition_of, definitions, read_definition
+from motorcade.ga.script.errors import MAX_IMPORT_DEPTH, MAX_IMPORTS
 from motorcade.ga.script.meaning import algebra_named, with_algebra
-from motorcade.ga.script.reading.parser import MAX_IMPORT_DEPTH, MAX_IMPORTS
 
 OWN = """
 squares = { o1 = 0, i1 = 0, x = 1, o2 = 0, i2 = 0 }
