@@ -118,6 +118,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "uvicorn": ("uvicorn", "its server"),
         "websockets": ("websockets", "what browsers say to it"),
         "segno": ("segno", "its link as a QR code"),
+        "cryptography": ("cryptography", "https for `motorcade live --lan`"),
     },
     "scale": {
         "dask": ("dask", "sweeps on a cluster"),
