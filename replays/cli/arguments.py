@@ -95,12 +95,12 @@ def add_executor(parser: argparse.ArgumentParser, default: str, where: str = "")
 
 def add_server(parser: argparse.ArgumentParser) -> None:
     """What is said of the server of a page."""
-    parser.add_argument("--lan", action="store_true", help="let the network in, by a link")
+    add_flag(parser, "--lan", "let the network in, by a link")
     parser.add_argument("--port", type=int, default=0, metavar="N", help="listen there (any free)")
     parser.add_argument(
         "--tls", type=Path, nargs=2, metavar=("CERT", "KEY"), help="serve by https, with these"
     )
-    parser.add_argument("--no-open", action="store_true", help="print the link, open no browser")
+    add_flag(parser, "--no-open", "print the link, open no browser")
 
 
 def listening_of(arguments: argparse.Namespace) -> Listening:

@@ -3,10 +3,19 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from motorcade.replays.cli.arguments import Commands, add_server, listening_of, print_json, shown
+from motorcade.replays.cli.arguments import (
+    Commands,
+    add_file,
+    add_flag,
+    add_number,
+    add_server,
+    chosen,
+    listening_of,
+    print_json,
+    shown,
+)
 
 if TYPE_CHECKING:
     from motorcade.replays.live.opening import LivePlan
@@ -19,7 +28,7 @@ SOURCE is a device (/dev/video0), an address (rtsp://...), "-" for a video that 
 standard input, or a recording, which is played at its own pace.
 
 Without --camera the camera is found from the board within seconds: move round it, and tilt it.
-What is measured while it runs, frames a second, latency and registration, is shown on the page.
+Frames a second, latency and registration are measured while it runs, and shown.
 --record keeps the session as a recording that `motorcade run` replays."""
 
 
@@ -38,16 +47,14 @@ def add_live(commands: Commands) -> None:
     target.add_argument("--board", metavar="NAME", help="in view: checkerboard_9x6_25mm, or a file")
     target.add_argument("--markers", metavar="FAMILY", help="the marker that is seen first")
     target.add_argument("--slam", action="store_true", help="neither: map the place (--camera)")
-    parser.add_argument("--size-m", type=float, metavar="S", help="side of --markers, metres")
-    parser.add_argument(
-        "--camera", type=Path, metavar="FILE", help="as `motorcade calibrate` writes it"
-    )
-    parser.add_argument("--manifest", type=Path, metavar="FILE", help="of a recording as SOURCE")
+    add_number(parser, "--size-m", "side of --markers, metres", metavar="S")
+    add_file(parser, "--camera", "as `motorcade calibrate` writes it")
+    add_file(parser, "--manifest", "of a recording as SOURCE")
     parser.add_argument("--character", default="mannequin", metavar="FILE", help="the figure")
-    parser.add_argument("--height-m", type=float, metavar="H", help="of the figure")
-    parser.add_argument("--record", type=Path, metavar="DIR", help="keep the session there")
-    parser.add_argument("--no-page", action="store_true", help="track SOURCE, and print figures")
-    parser.add_argument("--json", action="store_true", help="print them as JSON (--no-page)")
+    add_number(parser, "--height-m", "of the figure", metavar="H")
+    add_file(parser, "--record", "keep the session there", "DIR")
+    add_flag(parser, "--no-page", "track SOURCE, and print figures")
+    add_flag(parser, "--json", "print them as JSON (--no-page)")
     add_server(parser)
 
 
@@ -89,15 +96,9 @@ def _plan(arguments: argparse.Namespace) -> LivePlan:
         if arguments.size_m is None:
             raise ValueError("--markers: expected --size-m S with it, the side of a marker, metres")
         target = FirstMarker(arguments.markers, arguments.size_m)
-    return LivePlan(
-        source=arguments.source,
-        manifest=arguments.manifest,
-        target=target,
-        camera=None if arguments.camera is None else read_camera(arguments.camera),
-        character=arguments.character,
-        height_m=arguments.height_m,
-        record=arguments.record,
-    )
+    camera = None if arguments.camera is None else read_camera(arguments.camera)
+    stated = chosen(arguments, "source", "manifest", "character", "height_m", "record")
+    return LivePlan(target=target, camera=camera, **stated)
 
 
 def _serve(plan: LivePlan, arguments: argparse.Namespace) -> None:
