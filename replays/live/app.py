@@ -98,10 +98,7 @@ def serve_live(
 def live_app(session: LiveSession, frames: Iterator[LiveFrame] | None, access: Access) -> ASGIApp:
     """What is served of a session to those whom `access` admits.
 
-    Args:
-        session: that it shows; whoever made it closes it.
-        frames: of a source, taken from when the first viewer comes; None for a browser's camera.
-        access: the key, and the names that the server goes by.
+    `frames` of a source are taken from when the first viewer comes; None for a browser's camera.
     """
     site = _Site(session, frames)
     routes = [

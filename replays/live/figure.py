@@ -114,10 +114,7 @@ class LiveFigure:
         self.scale = float(np.clip(self.scale * factor, SMALLEST, LARGEST))
 
     def walk(self, to_m: FloatArray, eye_m: FloatArray, time_s: float) -> None:
-        """Set out to a point, feet planted, and face the camera once there.
-
-        Nobody walks who does not stand yet, or stands there already.
-        """
+        """Set out to a point, feet planted, and face the camera there; from where it stands."""
         self._settle(time_s)
         if self.position_m is None:
             return

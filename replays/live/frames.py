@@ -29,8 +29,7 @@ from motorcade.tracking.checks import GrayImage
 _DEVICE = "/dev/video"
 _OPEN_S, _READ_S = 15.0, 5.0
 _NETWORK = ("rtsp", "rtsps")
-_RECORDED_AS: dict[str, dict[str, str]] = {
-    # what each source may open beside itself: nothing but what carries it
+_OPTIONS: dict[str, dict[str, str]] = {  # nothing may be opened but what carries the images
     "rtsp": {"protocol_whitelist": "rtsp,rtp,udp,tcp", "rtsp_transport": "tcp"},
     "rtsps": {"protocol_whitelist": "rtsp,rtp,tcp,tls", "rtsp_transport": "tcp"},
     "pipe": {"protocol_whitelist": "pipe"},
@@ -47,9 +46,6 @@ class LiveFrame:
         image: ``(height, width)`` grey or ``(height, width, 3)`` RGB, uint8.
         captured_s: when it was taken, or came here, on `time.monotonic`'s clock.
 
-    Raises:
-        ValueError: another type or shape of image.
-
     >>> import numpy as np
     >>> from motorcade.replays.live import LiveFrame
     >>> LiveFrame(0, np.zeros((48, 64, 3), np.uint8)).gray.shape
@@ -60,14 +56,6 @@ class LiveFrame:
     image: NDArray[np.uint8]
     captured_s: float = field(default_factory=time.monotonic)
 
-    def __post_init__(self) -> None:
-        shape, kind = self.image.shape, self.image.dtype
-        if kind != np.uint8 or len(shape) not in (2, 3) or (len(shape) == 3 and shape[2] != 3):
-            raise ValueError(
-                "LiveFrame.image: expected uint8 (height, width) or (height, width, 3), "
-                f"got {kind} {shape}"
-            )
-
     @cached_property
     def gray(self) -> GrayImage:
         """Its luma (ITU-R BT.601), as recordings have it."""
@@ -76,14 +64,13 @@ class LiveFrame:
         return np.asarray(cv2.cvtColor(self.image, cv2.COLOR_RGB2GRAY), np.uint8)
 
 
-def open_frames(source: str, *, clock: Callable[[], float] = time.monotonic) -> Iterator[LiveFrame]:
+def open_frames(source: str) -> Iterator[LiveFrame]:
     """Open a source by its name.
 
     Args:
         source: a device (``/dev/video0``), an address (``rtsp://…``), ``-`` for a video that comes
             through the standard input (Matroska, MPEG-TS or YUV4MPEG), or a recording's path,
             which is played at its own pace.
-        clock: seconds that only grow, for the pace.
 
     Raises:
         RecordingError: a path that holds no recording.
@@ -98,7 +85,7 @@ def open_frames(source: str, *, clock: Callable[[], float] = time.monotonic) -> 
     if kind == "recording":
         from motorcade.replays.io.readers.opening import open_recording
 
-        yield from paced(open_recording(source), clock=clock)
+        yield from paced(open_recording(source))
         return
     with closing(_opened(source, kind)) as container:
         yield from _decoded(container, source)
@@ -123,7 +110,7 @@ def kind_of(source: str) -> str:
 def _opened(source: str, kind: str) -> Any:
     import av
 
-    options = {**_RECORDED_AS[kind], "fflags": "nobuffer"}
+    options = {**_OPTIONS[kind], "fflags": "nobuffer"}
     if kind == "device":
         if not Path(source).exists():
             raise FileNotFoundError(2, "No such file or directory", source)
@@ -173,8 +160,7 @@ def paced(
 def newest(frames: Iterable[LiveFrame]) -> Iterator[LiveFrame]:
     """Of a stream the newest frame, each time that one is asked for; those between are dropped.
 
-    A thread of its own takes the frames, so that a camera's queue never grows old. It ends with
-    the stream, or with this iterator.
+    A thread of its own takes the frames, and ends with the stream or with this iterator.
 
     >>> import numpy as np, time
     >>> from motorcade.replays.live import LiveFrame, newest

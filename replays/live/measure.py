@@ -21,10 +21,7 @@ _MOST = 4096
 
 @dataclass
 class LiveMeasure:
-    """Counts what was tracked and drawn.
-
-    Args:
-        clock: seconds that only grow.
+    """Counts what was tracked and drawn, on a clock of seconds that only grow.
 
     >>> from motorcade.replays.live.measure import LiveMeasure
     >>> seconds = iter(range(100))

@@ -89,20 +89,12 @@ def height_on(target: Target) -> float:
 
 
 def track_without_page(session: LiveSession, frames: Iterator[LiveFrame]) -> dict[str, Any]:
-    """Track a source to its end, and give figures of the whole.
-
-    Its keys: `frames`, `states` (a count each), `seconds`, those of `LiveMeasure.figures` for the
-    last seconds, with "drawn" meaning that the pose was known, and `camera`.
-    """
+    """Track a source to its end, and give the page's figures; "drawn" is when a pose is known."""
     began_s, count = time.monotonic(), 0
     for frame in newest(frames):
         session.take(frame, count)
         session.measure.drawn(time.monotonic() - frame.captured_s)
         count += 1
-    figures = session.told()
-    return {
-        "frames": count,
-        "seconds": round(time.monotonic() - began_s, 3),
-        "states": dict(session.measure.states),
-        **figures,
-    }
+    seconds = round(time.monotonic() - began_s, 3)
+    states = dict(session.measure.states)
+    return {"frames": count, "seconds": seconds, "states": states, **session.told()}

@@ -36,14 +36,7 @@ _WAITING = 32
 
 
 class LiveRecorder:
-    """Writes what a session takes in and gives.
-
-    Args:
-        folder: made where it is missing.
-
-    Raises:
-        FileExistsError: it holds something already.
-    """
+    """Writes what a session takes in and gives; FileExistsError where the folder holds anything."""
 
     def __init__(self, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
@@ -80,14 +73,10 @@ class LiveRecorder:
         self._room.acquire()
         self._writer.submit(self._write, number, frame)
         motor = pose.world_T_camera
-        line = {
-            "time_ns": frame.time_ns,
-            "state": pose.state,
-            "measured": pose.measured,
-            "world_T_camera": None if motor is None else rows_of(motor).tolist(),
-            "held_out_px": [round(float(off), 3) for off in pose.held_out_px],
-        }
-        self.note(line)
+        known = {key: getattr(pose, key) for key in ("time_ns", "state", "measured")}
+        row = None if motor is None else rows_of(motor).tolist()
+        off_px = pose.held_out_px.round(3).tolist()
+        self.note({**known, "world_T_camera": row, "held_out_px": off_px})
 
     def note(self, line: Mapping[str, Any]) -> None:
         """Keep a line of what happened."""

@@ -30,13 +30,7 @@ _GESTURES = ("stand", "walk", "drag", "turn", "resize")
 
 @dataclass
 class LiveSession:
-    """What becomes of one camera's frames.
-
-    Args:
-        tracker: that finds the camera's pose in them.
-        figure: that stands on the tracker's ground.
-        recorder: that keeps them; None without.
-    """
+    """What becomes of one camera's frames: poses, a figure on the ground, a recording."""
 
     tracker: LiveTracker
     figure: LiveFigure
@@ -74,11 +68,8 @@ class LiveSession:
     def told(self) -> dict[str, Any]:
         """Figures of the last seconds, and what there is to say of camera and recording."""
         recorded = "" if self.recorder is None else self.recorder.status
-        return {
-            **self.measure.figures(),
-            "camera_status": self.tracker.camera_status,
-            "recorded": recorded,
-        }
+        status = self.tracker.camera_status
+        return {**self.measure.figures(), "camera_status": status, "recorded": recorded}
 
     def gesture(self, message: Mapping[str, Any]) -> None:
         """Do what a finger meant: stand, walk, drag (to a pixel), turn (rad), resize (a factor).

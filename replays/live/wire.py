@@ -29,14 +29,7 @@ _LATEST_MS = 1e13
 
 @dataclass(frozen=True, eq=False)
 class CameraFrame:
-    """A frame as a browser sent it.
-
-    Fields:
-        number: that the browser calls it by.
-        stamp_ms: on the browser's clock.
-        gray: ``(height, width)`` uint8.
-        latency_ms: of the frame that was drawn before; None for none.
-    """
+    """A frame as a browser sent it, by its own clock; `latency_ms` is that of the one before."""
 
     number: int
     stamp_ms: float
@@ -77,12 +70,7 @@ def read_frame(data: bytes) -> CameraFrame:
 
 @dataclass
 class BrowserClock:
-    """A browser's stamps on this machine's clock: they rise, and go as fast as ours do.
-
-    Args:
-        begun_ns: where its first stamp is put.
-        now_s: when that came, on a clock that only grows.
-    """
+    """A browser's stamps, the first at `begun_ns`: they rise, and go as fast as our clock."""
 
     begun_ns: int
     now_s: float
