@@ -33,20 +33,20 @@ public:
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
         Hypothesis<N> best = weigh_all(), spanned = best;
-        bool other_tried = !given_up.empty() && !this->starts_.empty();
-        if (other_tried) {
-            for (auto open = spans(steps()); take_best(spanned, open);) continue;
-            try_starts(best, this->starts_, false);
-            if (spanned.explains_more(best, refused())) remake(best = spanned);
+        if (auto open = spans(steps()); !open.empty()) {
+            while (take_best(spanned, open, true)) continue;
+            remake(best);
         }
+        bool other_tried = !given_up.empty() && try_starts(best, this->starts_, false);
         const std::vector<Step> found = steps();
-        for (auto open = spans(found); take_best(best, open);) continue;
+        for (auto open = spans(found); take_best(best, open, false);) continue;
         std::vector<std::size_t> starts;
         for (const Step &step : found)
             if (within_bridge(0, step.event) && 2 * step.event < this->next_)
                 starts.push_back(step.event);
         other_tried |= !found.empty();
         if (!try_starts(best, starts, true) && other_tried) remake(best);
+        if (spanned.explains_more(best, refused())) remake(spanned);
         this->given_up_ = given_up;
     }
 
@@ -105,19 +105,25 @@ protected:
         return true;
     }
 
-    // Whether what is best of those without one of the spans is better, which is then taken over;
-    // that span and those that it touches are no longer open.
-    bool take_best(Hypothesis<N> &best, std::vector<Span> &open) {
+    // Whether what predicts best without one of the spans is better, which is then taken over; that
+    // span and those that it touches are no longer open. Or by as few jumps of the map, where poses
+    // at both ends of the span are off.
+    bool take_best(Hypothesis<N> &best, std::vector<Span> &open, bool off_alone) {
         Hypothesis<N> found;
         Span without_it;
-        bool tried = false;
+        double most = 0.0;
         for (const Span &span : open) {
             Hypothesis<N> other = without(best, span.first, span.second);
-            if (!other.better(tried ? found : best, refused()) || !off_at_ends(other, span))
-                continue;
-            tried = true, without_it = span, found = std::move(other);
+            const double gain = other.gain(best, best.since);
+            const bool worse =
+                off_alone ? !other.better(most > 0.0 ? found : best, refused()) ||
+                                !off_at_ends(other, span)
+                          : gain <= most || other.more_explained(best, 0) < 0 ||
+                                !other.better(best, refused());
+            if (worse) continue;
+            most = std::max(gain, 1e-9), without_it = span, found = std::move(other);
         }
-        if (!tried) return false;
+        if (most == 0.0) return false;
         best = std::move(found);
         const auto touched = [&](const Span &one) {
             return one.first <= without_it.second && one.second >= without_it.first;
@@ -174,14 +180,13 @@ protected:
         return made;
     }
 
-    // Whether as many poses before or from one on, or all to the end, are refused, where those
-    // across are not.
+    // Whether as many poses before or from one on are refused, where those across are not.
     bool run_ends(const std::vector<std::size_t> &poses, std::size_t i) const {
         const auto wrong = [&](std::size_t k) { return this->events_[poses[k]].factor == 0.0; };
         if (wrong(i) == wrong(i - 1)) return false;
         const std::size_t first = wrong(i) ? i : i - std::min(i, enough_hits);
         const std::size_t last = wrong(i) ? std::min(i + enough_hits, poses.size()) : i;
-        bool all = last - first == enough_hits || first == 0 || last == poses.size();
+        bool all = last - first == enough_hits;
         for (std::size_t k = first; k < last; ++k) all &= wrong(k);
         return all;
     }

@@ -180,7 +180,7 @@ protected:
         advance(to, [this](const Transition &f, const Densities &q) { propagate(p_, f, q); });
     }
 
-    // See history.h.
+    // See hypothesis.h.
     void replay(std::size_t from, std::size_t to);
     void doubt_last_jump(std::size_t since);
     bool bridged_back(std::size_t from, std::size_t to, Track<N> &after);
@@ -316,7 +316,7 @@ private:
         event.known->covariance = packed(p_);
     }
 
-    // See update.h.
+    // See start.h.
     void measure(Event &event);
     bool predict(const Event &event, Innovation<N> &made) const;
     static void tells(Event &event, const Innovation<N> &innovation);
@@ -347,7 +347,7 @@ private:
     void shift_rivals(std::size_t from, int by);
     template <class Do> void along(Track<N> &track, Do &&act);
 
-    // See history.h.
+    // See hypothesis.h.
     void keep_pose();
     void keep_linear(Event &event, const Innovation<N> &innovation, const Gain<N> &gain);
     void keep_and_forget();
