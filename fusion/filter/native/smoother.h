@@ -115,11 +115,10 @@ protected:
         for (const Span &span : open) {
             Hypothesis<N> other = without(best, span.first, span.second);
             const double gain = other.gain(best, best.since);
-            const bool worse =
-                off_alone ? !other.better(most > 0.0 ? found : best, refused()) ||
-                                !off_at_ends(other, span)
-                          : gain <= most || other.more_explained(best, 0) < 0 ||
-                                !other.better(best, refused());
+            const bool worse = off_alone ? !other.better(most > 0.0 ? found : best, refused()) ||
+                                               !off_at_ends(other, span)
+                                         : gain <= most || other.more_explained(best, 0) < 0 ||
+                                               !other.better(best, refused());
             if (worse) continue;
             most = std::max(gain, 1e-9), without_it = span, found = std::move(other);
         }

@@ -1,4 +1,5 @@
-// A measurement is predicted, weighed, and taken in; where the path begins, and where it begins anew.
+// A measurement is predicted, weighed, and taken in; where the path begins, and where it begins
+// anew.
 
 #pragma once
 
