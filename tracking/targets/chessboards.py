@@ -114,11 +114,8 @@ def checkerboard_seen(
 
 def _first(image: GrayImage, stated: tuple[int, int] | None) -> SeenGrid | None:
     """The grid that an image shows, by the stated size where the board ends about it."""
-    if stated is not None:
-        grid = grown_grid(image, seed_grid(image, stated))
-        if grid is not None and grid.whole:
-            return grid
-    return grown_grid(image, seed_grid(image))
+    grid = None if stated is None else grown_grid(image, seed_grid(image, stated))
+    return grid if grid is not None and grid.whole else grown_grid(image, seed_grid(image))
 
 
 def _for_second(grids: Sequence[SeenGrid | None]) -> list[tuple[int, int]]:

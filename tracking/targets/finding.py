@@ -180,13 +180,8 @@ def doubled_ids(ids: Sequence[Sequence[int]]) -> tuple[int, ...]:
     """
     shown = Counter(marker for one in ids for marker in set(one))
     twice = Counter(marker for one in ids for marker, count in Counter(one).items() if count > 1)
-    return tuple(
-        sorted(
-            marker
-            for marker, count in twice.items()
-            if count >= _TWICE and count >= _TWICE_SHARE * shown[marker]
-        )
-    )
+    least = {marker: max(_TWICE, _TWICE_SHARE * shown[marker]) for marker in twice}
+    return tuple(sorted(marker for marker in twice if twice[marker] >= least[marker]))
 
 
 def _marked(seen: SeenFamily, images: Sequence[GrayImage]) -> FoundTarget:

@@ -145,15 +145,10 @@ def _circled(board: CircleGrid, images: Sequence[GrayImage]) -> AuditFinding:
         return AuditFinding(name, "contradicted", 1.0, "share", summary, keys)
     size = (looks.columns, looks.rows)
     seen = "the board looks like {} x {} circles".format(*size) + ", shifted" * looks.asymmetric
-    if _same_circles(looks, board):
+    ways = (size,) if looks.asymmetric else (size, size[::-1])
+    if (board.columns, board.rows) in ways and looks.asymmetric == board.asymmetric:
         return AuditFinding(name, "consistent", 0.0, "corners", f"{seen}, as stated")
     return AuditFinding(name, "contradicted", 1.0, "share", seen, _keys(board, looks))
-
-
-def _same_circles(looks: CircleGrid, board: CircleGrid) -> bool:
-    size = (looks.columns, looks.rows)
-    ways = (size,) if looks.asymmetric else (size, size[::-1])
-    return (board.columns, board.rows) in ways and looks.asymmetric == board.asymmetric
 
 
 def _charuco_seen(images: Sequence[GrayImage]) -> CharucoBoard | None:
