@@ -17,7 +17,7 @@ import os
 import tempfile
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -192,7 +192,12 @@ def measured(
             browser_s = processor_s(browser._process)
             latency_s: list[float] = []
             keep = session.measure.drawn
-            session.measure.drawn = lambda late_s: (latency_s.append(late_s), keep(late_s))[1]
+
+            def noted(late_s: float, keep: Callable[[float], None] = keep) -> None:
+                latency_s.append(late_s)
+                keep(late_s)
+
+            session.measure.drawn = noted  # type: ignore[method-assign]
             time.sleep(seconds)
             passed_s = time.monotonic() - start
             drawn_count = tab.value("livePage.drawn") - drawn_before

@@ -51,7 +51,7 @@ ALLOWED = {
     ("ga/unfinished.py", "os.open"): "a lock, which is never read",
     ("ga/locks.py", "os.open"): "a folder, to lock it",
     ("animation/formats/gltf/compression.py", "np.load"): "bytes in memory",
-    ("tracking/markers/apriltag_codes.py", "np.load"): "our own table",
+    ("tracking/markers/families.py", "np.load"): "our own table",
     ("animation/formats/images.py", "Image.open"): "bytes in memory",
     ("render/backends/fast/programs.py", "(_SHADERS / name).read_text"): "our own source",
     ("render/backends/fast/programs.py", "_CARRYING.read_text"): "our own source",

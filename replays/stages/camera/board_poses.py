@@ -84,7 +84,9 @@ def _noise_px(
     """How far corners can scatter in images of a board, by noise and by what blur mixes."""
     if isinstance(board, CircleGrid):
         return corner_noise_px(images, [sighted.corners_px for sighted in seen])
-    marked = isinstance(board, MarkerGrid | SingleMarker)
+    border = 1.0
+    if marked := isinstance(board, MarkerGrid | SingleMarker):
+        border = border_share(board.family)
     across = 4 if marked else int(np.count_nonzero(board.points_m[:, 1] == board.points_m[0, 1]))
     quads = []
     for sighted in seen:
@@ -94,7 +96,7 @@ def _noise_px(
         sides = [grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]]
         quad = grid if marked else np.stack(sides, axis=2).reshape(-1, 4, 2)
         quads.append(quad[np.isfinite(quad).all(axis=(1, 2))])
-    return print_noise_px(images, quads, border_share(board.family) if marked else 1.0)[0]
+    return print_noise_px(images, quads, border)[0]
 
 
 def board_poses(recording: Recording) -> BoardPoses:

@@ -107,7 +107,7 @@ def marker_poses(
         )
 
     mapped = map_or_track(streams)
-    audit = (_doubled(twice),) if twice else ()
+    audit: tuple[AuditFinding, ...] = (_doubled(twice),) if twice else ()
     limit_px = scatter_px(next(iter(streams.values())).camera, noise_px)
     if seen.posed is None:
         restless = moving_markers(streams, mapped, map_or_track, limit_px)
