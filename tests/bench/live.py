@@ -190,12 +190,12 @@ def measured(
             drawn_before, cpu, start = tab.value("livePage.drawn"), os.times(), time.monotonic()
             states = dict(session.measure.states)
             browser_s = processor_s(browser._process)
-            latency_s: list[float] = []
+            latencies_s: list[float] = []
             keep = session.measure.drawn
 
-            def noted(late_s: float, keep: Callable[[float], None] = keep) -> None:
-                latency_s.append(late_s)
-                keep(late_s)
+            def noted(latency_s: float, keep: Callable[[float], None] = keep) -> None:
+                latencies_s.append(latency_s)
+                keep(latency_s)
 
             session.measure.drawn = noted  # type: ignore[method-assign]
             time.sleep(seconds)
@@ -212,7 +212,7 @@ def measured(
         "pose_after_s": round(found_s, 2),
         "frames_drawn_s": round(drawn_count / passed_s, 1),
         "latency_ms": {
-            f"p{percent}": round(1e3 * float(np.percentile(latency_s, percent)), 1)
+            f"p{percent}": round(1e3 * float(np.percentile(latencies_s, percent)), 1)
             for percent in (50, 95)
         },
         "registration_px": figures["registration_px"],
