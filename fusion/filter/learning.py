@@ -27,7 +27,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.fused import DENSITIES_AND_WALKS, LearntNoise, NoiseScore, covered
+from motorcade.fusion.filter.findings import DENSITIES_AND_WALKS, LearntNoise, NoiseScore
+from motorcade.fusion.filter.fused import covered
 from motorcade.fusion.filter.settings import FilterSettings
 from motorcade.fusion.filter.unjudged import fuse_unjudged
 from motorcade.fusion.imu.noise import ImuNoise

@@ -6,17 +6,10 @@ VINS-Mono (Qin et al. 2018) for corners tracked between them.
 
 from __future__ import annotations
 
+from motorcade.tracking.frame_history import SLAM_STATES, SlamEvent, SlamHistory, SlamState
 from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot
-from motorcade.tracking.slam.results import (
-    SLAM_STATES,
-    SeparateMap,
-    SlamEvent,
-    SlamFrame,
-    SlamHistory,
-    SlamResult,
-    SlamState,
-)
+from motorcade.tracking.slam.results import SeparateMap, SlamFrame, SlamResult
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.slam import VisualSlam
 

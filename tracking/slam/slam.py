@@ -20,6 +20,7 @@ from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
+from motorcade.tracking.frame_history import SlamState
 from motorcade.tracking.slam.features import DepthImage, SlamImage, find_corners
 from motorcade.tracking.slam.geometry import (
     FEWEST_CORNERS,
@@ -36,7 +37,7 @@ from motorcade.tracking.slam.mapping.loops import ClosedLoop
 from motorcade.tracking.slam.mapping.map import MapSnapshot, SlamMap
 from motorcade.tracking.slam.mapping.mapper import InsertedKeyframe, Mapper
 from motorcade.tracking.slam.mapping.matching import candidates, verified
-from motorcade.tracking.slam.results import KeyframeAnchor, RunLog, SlamFrame, SlamResult, SlamState
+from motorcade.tracking.slam.results import KeyframeAnchor, RunLog, SlamFrame, SlamResult
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.tracker import TrackedPoints, Tracker, is_reliable
 

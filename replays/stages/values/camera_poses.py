@@ -18,8 +18,8 @@ from motorcade.tracking import BoardTrack, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera
+from motorcade.tracking.frame_history import SlamHistory
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.slam.results import SlamHistory
 
 ASIDE = {"aside": True}
 """Metadata for `dataclasses.field`: the field is stored, but is not part of the value's content."""

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.filter.fused import LatencyCurve, LearntNoise
+from motorcade.fusion.filter.findings import LatencyCurve, LearntNoise
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 

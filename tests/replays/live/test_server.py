@@ -154,16 +154,17 @@ def test_a_browser_that_sends_rubbish_is_told_so_and_heard_again(access: Access)
 
 def test_too_many_messages_too_many_faults_or_too_large_ones_end_a_visit(access: Access) -> None:
     faults = 2 + live_app.MOST_REFUSED
-    for messages, code in (
-        (["drew 1"] * 600, 1008),
-        ([b"rubbish"] * faults, 1008),
-        ([bytes(MAX_FRAME_BYTES + 1)], 1009),
+    for messages, codes in (
+        (["drew 1"] * 600, {1008}),
+        ([b"rubbish"] * faults, {1008}),
+        # What was not read yet is reset with the connection, at times before the reason is read.
+        ([bytes(MAX_FRAME_BYTES + 1)], {1009, 1006}),
     ):
         with visit(access) as browser:
             with contextlib.suppress(websockets.ConnectionClosed):
                 for message in messages:
                     browser.send(message)
-            assert closed(browser) == code
+            assert closed(browser) in codes
 
 
 def test_of_frames_that_wait_the_newest_is_tracked(access: Access) -> None:

@@ -25,8 +25,9 @@ from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.inertial import UsedImu
 from motorcade.replays.stages.values.paths import FusedPath
 from motorcade.tracking import Camera, PoseMeasurements
+from motorcade.tracking.frame_history import SlamHistory
 from motorcade.tracking.slam import MapSnapshot
-from motorcade.tracking.slam.results import SlamHistory, SlamResult
+from motorcade.tracking.slam.results import SlamResult
 from tests.replays.stages.stamps import Stamps
 
 IMU_T_CAMERA = Motor.from_euler_translation(

@@ -170,7 +170,7 @@ def read_image_bytes(
         problem = f"expected frames of at most {FRAME_PIXELS} pixels, got {width} x {height}"
         raise refusal(path, problem, field=field, advice="make all images smaller alike")
     if size is not None and size != (width, height):
-        usual = f"{size_advice(size, (width, height))}, or leave the image out"
+        usual = size_advice(size, (width, height))
         problem = f"expected {size[0]} x {size[1]} pixels as the camera has, got {width} x {height}"
         mismatch = refusal(path, problem, field=field, advice=advice or usual)
         raise mismatch if advice else DamagedError(str(mismatch))
