@@ -94,7 +94,12 @@ export class EditorStage {
     ];
   }
 
-  /** The place of the page, CSS pixels, of a point of the world; null where it is not seen. */
+  /**
+   * The place of the page, CSS pixels, of a point of the world; null where it is not seen.
+   *
+   * @param {import("studio/vendor.js").Vector3} point
+   * @returns {[number, number]|null}
+   */
   placeOf(point) {
     const seen = point.clone().applyMatrix4(new Matrix4().copy(this.world_T_camera).invert());
     const pixel = project(this.about.camera, seen.toArray());

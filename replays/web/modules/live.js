@@ -50,9 +50,14 @@ class LivePage {
     this.shots = new Map();
     this.tries = 0;
     this.drawn = 0;
+    /** @type {Map<string, () => object>} what fingers did since an image was drawn */
+    this.waiting = new Map();
+    /** @type {LiveCamera|null} */
+    this.camera = null;
     this.#connect();
   }
 
+  /** @returns {import("./live_touch.js").Touched} */
   #touched() {
     const at = (x, y) => ({ frame: this.shown, pixels: [this.stage.pixelAt(x, y)] });
     return {
@@ -75,15 +80,14 @@ class LivePage {
         });
       },
       ends: () => {
-        const ends = this.figure.ends?.map((point) => this.stage.placeOf(point));
-        return ends?.every(Boolean) ? ends : null;
+        const [feet, head] = this.figure.ends?.map((point) => this.stage.placeOf(point)) ?? [];
+        return feet && head ? [feet, head] : null;
       },
     };
   }
 
   /** One message a drawn frame is enough of what a finger does. */
   #later(kind, message) {
-    this.waiting ??= new Map();
     this.waiting.set(kind, message);
   }
 
@@ -121,7 +125,6 @@ class LivePage {
     if (what !== "film") return;
     try {
       this.camera ??= await LiveCamera.open();
-      this.socket.filming = true;
       await this.#send();
     } catch (fault) {
       this.#say("searching", `no camera: ${fault.message}`);
@@ -202,8 +205,8 @@ class LivePage {
     this.drawn++;
     this.#say(message.state, message.why);
     if (message.figures) this.#tell(message.figures);
-    for (const after of this.waiting?.values() ?? []) this.#gesture(after());
-    this.waiting?.clear();
+    for (const after of this.waiting.values()) this.#gesture(after());
+    this.waiting.clear();
   }
 
   /** Near and far planes that hold the ground and the figure. */

@@ -23,7 +23,7 @@ export class LiveCamera {
   /** @param {MediaStream} stream */
   constructor(stream) {
     this.stream = stream;
-    [this.track] = stream.getVideoTracks();
+    this.track = stream.getVideoTracks()[0];
     /** @type {Shot|null} */
     this.newest = null;
     /** @type {((shot: Shot) => void)|null} */

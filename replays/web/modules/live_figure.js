@@ -5,6 +5,8 @@ import { Figure } from "studio/figure.js";
 import { decoded } from "studio/look.js";
 import { softDisc } from "studio/world.js";
 
+const TALL_M = 1.75; // the mannequin, at a scale of 1
+
 /** One figure, shown where the server has it. */
 export class LiveFigure {
   /** @param {string} base address of the page @param {import("three").Group} group to stand in */
@@ -61,8 +63,7 @@ export class LiveFigure {
 
   /** How tall it is, in the world's unit. */
   get height() {
-    const tallest = 1.75;
-    return this.state ? this.state.pose[7] * (this.figure?.tall ?? tallest) : 0;
+    return this.state && this.figure ? this.state.pose[7] * TALL_M : 0;
   }
 
   /** Its feet and its head, in the world. @returns {[Vector3, Vector3]|null} */

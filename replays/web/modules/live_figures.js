@@ -1,6 +1,7 @@
 // What is measured, on the page: each figure a button, and the last minute of it as a plot.
 
 const KEPT_S = 60;
+/** @type {[string, (figures: any) => string, string][]} */
 const SHOWN = [
   ["frames_drawn_s", (f) => `${f.frames_drawn_s} frames/s`, "Frames drawn a second"],
   ["latency_p50_ms", (f) => `${round(f.latency_p50_ms)} ms (95 %: ${round(f.latency_p95_ms)})`, "From capture to drawn, ms, median"],

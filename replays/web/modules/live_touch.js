@@ -18,6 +18,7 @@ export class LiveTouch {
   /** @param {HTMLElement} element @param {Touched} touched */
   constructor(element, touched) {
     this.touched = touched;
+    /** @type {Map<number, {at: [number, number], from: [number, number], since: number}>} */
     this.fingers = new Map();
     this.dragging = false;
     element.addEventListener("pointerdown", (event) => this.#down(event));
@@ -30,12 +31,14 @@ export class LiveTouch {
 
   #down(event) {
     event.currentTarget.setPointerCapture(event.pointerId);
+    /** @type {[number, number]} */
     const at = [event.clientX, event.clientY];
     this.fingers.set(event.pointerId, { at, from: at, since: event.timeStamp });
     this.dragging = this.fingers.size === 1 && this.#onFigure(at);
     this.spread = this.#spread();
   }
 
+  /** @param {[number, number]} at */
   #onFigure([x, y]) {
     const ends = this.touched.ends();
     if (!ends) return false;

@@ -21,6 +21,7 @@
  * @property {object[]} planes
  * @property {Packed} points_m
  * @property {object[]} characters
+ * @property {boolean} [grey] whether the footage has no colour
  * @property {Hiding} hiding
  * @property {object[]} plots
  * @property {State[]} states
