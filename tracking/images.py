@@ -38,6 +38,8 @@ def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
     >>> grey_levels(np.array([[0, 100], [0, 100]], np.uint8), np.array([[0.5, 0.0], [9.0, 1.0]]))
     array([ 50., 100.])
     """
+    if not px.size:
+        return np.zeros(px.shape[:-1])
     grid = px.astype(np.float32).reshape(-1, px.shape[-2], 2)
     levels = cv2.remap(image, grid, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(levels, np.float64).reshape(px.shape[:-1])

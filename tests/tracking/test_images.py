@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.tracking.images import track_corners
+from motorcade.tracking.images import grey_levels, print_noise_px, track_corners
 from motorcade.tracking.native._flow import Pyramid, follow_corners
 
 HEIGHT, WIDTH = 210, 290
@@ -175,3 +175,11 @@ def test_images_that_are_none_are_refused() -> None:
     one = np.zeros((30, 30), np.uint8)
     with pytest.raises(ValueError, match="guess: expected one for each"):
         track_corners(one, one, np.zeros((2, 2)), np.zeros((1, 2)))
+
+
+def test_a_print_of_which_no_square_is_whole_says_nothing_of_blur() -> None:
+    """Corners are seen, but no four of a square: `print_noise_px` is asked about nothing."""
+    image = np.full((40, 40), 120, np.uint8)
+    noise_px, bias_px = print_noise_px([image, image], [np.zeros((0, 4, 2))] * 2, 1.0)
+    assert noise_px == bias_px == 0.0
+    assert grey_levels(image, np.zeros((0, 2))).shape == (0,)
