@@ -30,6 +30,9 @@ _USUAL_HEIGHT = 0.03
 """Of a print's width: how far paper stands off the table, before anything was seen."""
 _EXPLAINED = 0.5
 """Of the squares in views that had no part: heights that explain less are noise of the lens."""
+_BETTER = 0.8
+"""Of the squares that corners moved in the plane leave, at most: from one side alone views tell both
+apart by chance only, which scatters such sums by some hundredths."""
 _ROUNDS = 2
 _UP, _ALONG = np.eye(3)[:, 2:], np.eye(3)[:, :2]
 
@@ -53,8 +56,8 @@ class PrintShape:
     @property
     def is_bent(self) -> bool:
         """Whether views that had no part in the heights confirm them."""
-        explained = 1.0 - (self.bent_px / max(self.flat_px, 1e-9)) ** 2
-        return explained > _EXPLAINED and self.bent_px < self.moved_px
+        left = self.bent_px**2
+        return left < (1.0 - _EXPLAINED) * self.flat_px**2 and left < _BETTER * self.moved_px**2
 
     @property
     def height_m(self) -> float:
@@ -70,7 +73,8 @@ def print_shape(track: BoardTrack, points_m: FloatArray, camera: Camera) -> Prin
         points_m: ``(n, 3)`` corners as stated, flat.
         camera: that saw them.
 
-    Breaks down where the camera hardly moves: what a lens bends then looks like a bent print.
+    Where the camera hardly moves, nothing tells a bent print from a bent image, nor from squares
+    that are none: it then counts as flat.
     """
     count = len(track.observations)
     if count < _FEWEST:

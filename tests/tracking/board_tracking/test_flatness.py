@@ -1,5 +1,7 @@
 """A print that is not flat is found by views that had no part in it, and what else bends is not."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -29,11 +31,24 @@ def looking_at_the_board(rng: np.random.Generator, count: int) -> Motor:
     return Motor.stack(poses)
 
 
+def from_one_side(rng: np.random.Generator, count: int) -> Motor:
+    """``board_T_camera`` of a camera that is held still, but for half a degree and 5 mm."""
+    held = looking_at_the_board(rng, 1)[0]
+    turned = 0.01 * rng.standard_normal((count, 3))
+    shake = Motor.from_rotor_translation(
+        Rotor.from_rotation_vector(turned), 0.005 * rng.standard_normal((count, 3))
+    )
+    return held @ shake
+
+
 def tracked(
-    rng: np.random.Generator, points_m: np.ndarray, seen_by: Camera = CAMERA
+    rng: np.random.Generator,
+    points_m: np.ndarray,
+    seen_by: Camera = CAMERA,
+    views: Callable[[np.random.Generator, int], Motor] = looking_at_the_board,
 ) -> tuple[BoardTrack, Motor]:
     """The track of a board that is stated flat, where its corners really lie at `points_m`."""
-    truth, observations, refined = looking_at_the_board(rng, 40), [], []
+    truth, observations, refined = views(rng, 40), [], []
     ids = np.arange(len(points_m))
     for row, pose in enumerate(truth):
         px = seen_by.project(pose.inverse().apply(points_m))
@@ -105,6 +120,18 @@ def test_squares_that_are_none_and_a_lens_that_bends_are_no_curl(seed: int) -> N
     assert not shape.is_bent
     barrel = Camera(1280, 720, 900.0, 900.0, 640.0, 360.0, "radtan", (-0.08, 0.0, 0.0, 0.0))
     shape = print_shape(tracked(rng, BOARD.points_m, barrel)[0], BOARD.points_m, CAMERA)
+    assert shape is not None
+    assert not shape.is_bent
+
+
+@pytest.mark.parametrize("seed", [9018, *range(300, 308)])
+def test_a_lens_that_bends_is_no_curl_from_one_side_either(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    terms = (float(rng.choice([-0.15, -0.08, 0.08])), 0.0, 0.0, 0.0)
+    lens = Camera(1280, 720, 900.0, 900.0, 640.0, 360.0, "radtan", terms)
+    shape = print_shape(
+        tracked(rng, BOARD.points_m, lens, from_one_side)[0], BOARD.points_m, CAMERA
+    )
     assert shape is not None
     assert not shape.is_bent
 
