@@ -31,8 +31,8 @@ _USUAL_HEIGHT = 0.03
 _EXPLAINED = 0.5
 """Of the squares in views that had no part: heights that explain less are noise of the lens."""
 _BETTER = 0.8
-"""Of the squares that corners moved in the plane leave, at most: from one side alone views tell both
-apart by chance only, which scatters such sums by some hundredths."""
+"""Of the squares that corners moved in the plane leave, at most: views from one side alone tell the
+two apart by chance only, which scatters such sums by some hundredths."""
 _ROUNDS = 2
 _UP, _ALONG = np.eye(3)[:, 2:], np.eye(3)[:, :2]
 
