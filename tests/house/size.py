@@ -5,6 +5,7 @@
 
 Examples in docstrings are not counted: they are documentation, and tests run them. Of modules it
 counts all, those below 60 lines (faces of packages apart), and those that one other imports.
+Names in faces are those that packages export: what `__all__` lists, or a stub that it is read from.
 Bindings of `VAGUE` names are counted, but for those in comprehensions of one line.
 """
 
@@ -90,6 +91,21 @@ def vague_bindings(texts: dict[str, str]) -> int:
     return count
 
 
+def exported(texts: dict[str, str]) -> int:
+    """Names that packages export, by `__all__` of their `__init__` or by its stub."""
+    count = 0
+    for name, text in texts.items():
+        if name.endswith("__init__.pyi"):
+            imported = [node for node in ast.walk(parsed(text)) if isinstance(node, ast.ImportFrom)]
+            count += sum(len(node.names) for node in imported)
+        elif name.endswith("__init__.py"):
+            for node in parsed(text).body:
+                match node:
+                    case ast.Assign(targets=[ast.Name(id="__all__")], value=ast.List(elts=names)):
+                        count += len(names)
+    return count
+
+
 def modules(texts: dict[str, str]) -> dict[str, int]:
     """Modules: all, small ones, and those that one other module of the product imports."""
     python = {name: text for name, text in texts.items() if name.endswith(".py")}
@@ -113,6 +129,7 @@ def modules(texts: dict[str, str]) -> dict[str, int]:
         "packages": len(faces),
         f"below {SMALL}": len(small),
         "one importer": sum(len(users) == 1 for users in importers.values()),
+        "names in faces": exported(texts),
         "vague names": vague_bindings(python),
     }
 
