@@ -26,52 +26,32 @@ used most; the packages below hold the rest. Nothing heavy comes with this impor
 Pillow when they are read.
 """
 
-from motorcade.animation.blend import (
-    BlendSpace,
-    CrossFade,
-    Inertialized,
-    PoseLayer,
-    blend_clips,
-    blend_layers,
-    blend_poses,
-)
+from motorcade.animation.blend import BlendSpace, blend_poses
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
-from motorcade.animation.formats import read_character, read_motion, write_gltf
-from motorcade.animation.ik import Chain, Leg, aim, bend_limb, plant_feet, reach_with
+from motorcade.animation.formats import read_character, write_gltf
+from motorcade.animation.ik import Chain, bend_limb, reach_with
 from motorcade.animation.mannequin import mannequin
-from motorcade.animation.place import Anchor, GroundPath, Placement, place_on_plane, walk_along
+from motorcade.animation.place import GroundPath, Placement, place_on_plane, walk_along
 from motorcade.animation.retarget import legs_of, retarget
 from motorcade.animation.skeleton import Skeleton
-from motorcade.animation.skin import PoseRuntime, Skinner, skin
+from motorcade.animation.skin import skin
 
 __all__ = [
-    "Anchor",
     "BlendSpace",
     "Chain",
     "Character",
     "Clip",
-    "CrossFade",
     "GroundPath",
-    "Inertialized",
-    "Leg",
     "Placement",
-    "PoseLayer",
-    "PoseRuntime",
     "Skeleton",
-    "Skinner",
-    "aim",
     "bend_limb",
-    "blend_clips",
-    "blend_layers",
     "blend_poses",
     "legs_of",
     "mannequin",
     "place_on_plane",
-    "plant_feet",
     "reach_with",
     "read_character",
-    "read_motion",
     "retarget",
     "skin",
     "walk_along",

@@ -214,7 +214,8 @@ class Skinner:
         ValueError: an unknown method, or more than 65536 joints.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Character, Skeleton, Skinner
+    >>> from motorcade.animation import Character, Skeleton
+    >>> from motorcade.animation.skin import Skinner
     >>> from motorcade.ga import Motor
     >>> flag = Character(
     ...     Skeleton(("pole",), np.array([-1]), Motor.identity((1,))),
@@ -382,7 +383,8 @@ class PoseRuntime:
         ValueError: an unknown method, a clip of another skeleton or with joints that grow.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Clip, PoseRuntime, Skeleton
+    >>> from motorcade.animation import Clip, Skeleton
+    >>> from motorcade.animation.skin import PoseRuntime
     >>> from motorcade.ga import Motor
     >>> one = Skeleton(("root",), np.array([-1]), Motor.identity((1,)))
     >>> low, high = (

@@ -293,7 +293,8 @@ def between_keyframes(
         ValueError: a part without keyframes.
 
     >>> import numpy as np
-    >>> from motorcade.animation.authoring import SceneKeyframe, ScenePart, between_keyframes
+    >>> from motorcade.animation.authoring import ScenePart, between_keyframes
+    >>> from motorcade.animation.authoring.parts import SceneKeyframe
     >>> from motorcade.ga import Motor, Similarity
     >>> low, high = (
     ...     Similarity.from_motor_scale(Motor.from_translation([0.0, 0.0, z])) for z in (0.0, 1.0)

@@ -3,11 +3,8 @@
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
 from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart
 from motorcade.animation.behaviour.performance import (
-    FOLLOWS,
     Errand,
     Performance,
-    Segment,
-    State,
     Timeline,
     foot_slides_m,
     perform,
@@ -15,7 +12,6 @@ from motorcade.animation.behaviour.performance import (
 from motorcade.animation.behaviour.sources import Gaze, LookTarget
 
 __all__ = [
-    "FOLLOWS",
     "Act",
     "Actor",
     "ClipLayer",
@@ -24,8 +20,6 @@ __all__ = [
     "Gaze",
     "LookTarget",
     "Performance",
-    "Segment",
-    "State",
     "Timeline",
     "closest_m",
     "foot_slides_m",

@@ -7,14 +7,8 @@ from motorcade.animation.blend.alignment import (
     in_step,
     planted,
 )
-from motorcade.animation.blend.locomotion import (
-    BlendSpace,
-    RootMotion,
-    phase_between,
-    split_root_motion,
-)
+from motorcade.animation.blend.locomotion import BlendSpace, RootMotion
 from motorcade.animation.blend.methods import (
-    BLEND_METHODS,
     BlendMethod,
     PoseLayer,
     Poses,
@@ -35,7 +29,6 @@ from motorcade.animation.blend.transitions import (
 )
 
 __all__ = [
-    "BLEND_METHODS",
     "BlendMethod",
     "BlendSpace",
     "CrossFade",
@@ -56,8 +49,6 @@ __all__ = [
     "differences_m",
     "grounded",
     "in_step",
-    "phase_between",
     "planted",
-    "split_root_motion",
     "stacked",
 ]

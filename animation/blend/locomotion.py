@@ -229,7 +229,7 @@ def split_root_motion(
 
     >>> import numpy as np
     >>> from motorcade.animation import Clip, Skeleton
-    >>> from motorcade.animation.blend import split_root_motion
+    >>> from motorcade.animation.blend.locomotion import split_root_motion
     >>> from motorcade.ga import Motor
     >>> one = Skeleton(("root",), np.array([-1]), Motor.identity((1,)))
     >>> parent_T_joint = Motor.from_translation([[[0, 0, 1.0]], [[2.0, 0, 1.0]]])

@@ -250,7 +250,7 @@ class PoseLayer:
         ValueError: a weight that is negative or not finite, a mask out of range or of another
             number of joints.
 
-    >>> from motorcade.animation import PoseLayer, blend_layers
+    >>> from motorcade.animation.blend import PoseLayer, blend_layers
     >>> from motorcade.ga import Motor
     >>> rest = Motor.identity((2,))
     >>> lifted = Motor.from_translation([[0, 0, 1.0], [0, 0, 1.0]])
@@ -311,7 +311,7 @@ def blend_layers(
         ValueError: another number of joints, a threshold that is not positive, or what
             `blend_poses` refuses.
 
-    >>> from motorcade.animation import PoseLayer, blend_layers
+    >>> from motorcade.animation.blend import PoseLayer, blend_layers
     >>> from motorcade.ga import Motor
     >>> rest = Motor.identity((2,))
     >>> low, high = (Motor.from_translation([[0, 0, z]] * 2) for z in (0.2, 1.0))

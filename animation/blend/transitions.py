@@ -98,7 +98,8 @@ class CrossFade:
         ValueError: a start that is not finite, a duration that is not positive.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Clip, CrossFade
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.animation.blend import CrossFade
     >>> from motorcade.ga import Motor
     >>> def swinging(name, reach_m, period_s):
     ...     time_s = np.linspace(0.0, period_s, 9)
@@ -142,7 +143,8 @@ class Inertialized:
         ValueError: a start that is not finite, a duration that is not positive.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Clip, Inertialized
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.animation.blend import Inertialized
     >>> from motorcade.ga import Motor
     >>> def swinging(name, reach_m, period_s):
     ...     time_s = np.linspace(0.0, period_s, 9)
@@ -253,7 +255,8 @@ def blend_clips(
             is not positive, more than 100,000 samples, or clips of no length.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Clip, blend_clips
+    >>> from motorcade.animation import Clip
+    >>> from motorcade.animation.blend import blend_clips
     >>> from motorcade.ga import Motor
     >>> def swinging(name, reach_m, period_s):
     ...     time_s = np.linspace(0.0, period_s, 9)

@@ -6,33 +6,19 @@ in live use each frame starts from the pose of the last. `fabrik` knows of point
 `bend_limb` and `aim` of one limb and one joint without limits; `plant_feet` works on whole motions.
 """
 
-from motorcade.animation.ik.chain import (
-    Ball,
-    Chain,
-    Floating,
-    Hinge,
-    Reached,
-    aim,
-    bend_limb,
-    fabrik,
-    reach_with,
-)
+from motorcade.animation.ik.chain import Ball, Chain, Hinge, aim, bend_limb, fabrik, reach_with
 from motorcade.animation.ik.feet import GroundHeights, Leg, find_stances, fitted_legs, plant_feet
-from motorcade.animation.ik.solver import HeldLimit, IkSolution, IkSolver, LookAt, PoseGoal
+from motorcade.animation.ik.solver import IkSolver, LookAt, PoseGoal
 
 __all__ = [
     "Ball",
     "Chain",
-    "Floating",
     "GroundHeights",
-    "HeldLimit",
     "Hinge",
-    "IkSolution",
     "IkSolver",
     "Leg",
     "LookAt",
     "PoseGoal",
-    "Reached",
     "aim",
     "bend_limb",
     "fabrik",

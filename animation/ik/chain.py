@@ -146,7 +146,7 @@ class Ball:
 class Floating:
     """A joint that turns and moves freely in its parent, like the hips of a figure.
 
-    >>> from motorcade.animation.ik import Floating
+    >>> from motorcade.animation.ik.chain import Floating
     >>> Floating()
     Floating()
     """
@@ -514,7 +514,8 @@ def aim(
         ValueError: no such joint, an axis without direction, a share outside 0 to 1.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Skeleton, aim
+    >>> from motorcade.animation import Skeleton
+    >>> from motorcade.animation.ik import aim
     >>> from motorcade.ga import Motor
     >>> parent_T_joint = Motor.from_translation([[0, 0, 1.0], [0, 0, -0.5], [0, 0, -0.5]])
     >>> leg = Skeleton(("hip", "knee", "ankle"), np.array([-1, 0, 1]), parent_T_joint)

@@ -121,7 +121,7 @@ class Leg:
         foot_m, toes_m: points of the skin in character space at rest, where it may touch the
             ground: those that go along with the ankle, and with the ball. `fitted_legs` finds them.
 
-    >>> from motorcade.animation import Leg
+    >>> from motorcade.animation.ik import Leg
     >>> Leg("left_thigh", "left_calf", "left_foot", ball="left_toes").limb
     ('left_thigh', 'left_calf', 'left_foot')
     """
@@ -224,7 +224,8 @@ def plant_feet(
         ValueError: joints that are no leg, shapes that do not fit.
 
     >>> import numpy as np
-    >>> from motorcade.animation import Leg, Skeleton, plant_feet
+    >>> from motorcade.animation import Skeleton
+    >>> from motorcade.animation.ik import Leg, plant_feet
     >>> from motorcade.ga import Motor
     >>> rest = Motor.from_translation([[0, 0, 0.9], [0, 0, 0], [0.02, 0, -0.45], [-0.02, 0, -0.45]])
     >>> skeleton = Skeleton(("hips", "thigh", "calf", "foot"), np.array([-1, 0, 1, 2]), rest)

@@ -6,21 +6,16 @@ from motorcade.animation.place.anchors import (
     followed,
     on_its_soles,
     place_on_plane,
-    plane_anchor,
-    standing_height_m,
 )
-from motorcade.animation.place.walks import GroundPath, Walk, on_the_spot, walk_along
+from motorcade.animation.place.walks import GroundPath, on_the_spot, walk_along
 
 __all__ = [
     "Anchor",
     "GroundPath",
     "Placement",
-    "Walk",
     "followed",
     "on_its_soles",
     "on_the_spot",
     "place_on_plane",
-    "plane_anchor",
-    "standing_height_m",
     "walk_along",
 ]

@@ -150,7 +150,7 @@ class Anchor:
     Raises:
         ValueError: a batch, a time that is not finite, a settling time that is negative.
 
-    >>> from motorcade.animation import Anchor
+    >>> from motorcade.animation.place import Anchor
     >>> from motorcade.ga import Motor, Similarity
     >>> def world_T_anchor(x_m):
     ...     return Similarity.from_motor_scale(Motor.from_translation([x_m, 0, 0]))
@@ -279,7 +279,7 @@ def plane_anchor(
         ValueError: a normal of no length, or `ahead` along it.
 
     >>> import numpy as np
-    >>> from motorcade.animation.place import plane_anchor
+    >>> from motorcade.animation.place.anchors import plane_anchor
     >>> wall = plane_anchor(np.array([0, 1.0, 0]), np.array([0, 2.0, 0]), np.array([0, 0, 1.0]))
     >>> wall.apply([[1.0, 0, 0], [0, 0, 1.0]]).round(6) + 0.0  # its x points up, its z off the wall
     array([[0., 2., 1.],
@@ -324,7 +324,7 @@ def standing_height_m(character: Character, legs: Sequence[Leg], clip: Clip) -> 
 
     >>> from motorcade.animation import legs_of, mannequin
     >>> from motorcade.animation.ik import fitted_legs
-    >>> from motorcade.animation.place import standing_height_m
+    >>> from motorcade.animation.place.anchors import standing_height_m
     >>> figure = mannequin()
     >>> legs = fitted_legs(legs_of(figure.skeleton), figure)
     >>> round(standing_height_m(figure, legs, figure.clip("idle")), 2) + 0.0

@@ -298,7 +298,7 @@ class Walk:
         poses: Motor ``(F, J)``, local poses with planted feet.
 
     >>> import numpy as np
-    >>> from motorcade.animation.place import Walk
+    >>> from motorcade.animation.place.walks import Walk
     >>> from motorcade.ga import Motor
     >>> plane_T_character = Motor.from_translation([[0.0, 0.0, 0.0], [1.2, 0.0, 0.0]])
     >>> character_T_hips = Motor.from_translation([[[0.0, 0.0, 0.9]], [[0.0, 0.0, 0.88]]])

@@ -6,10 +6,6 @@ images: how sure each pose is, and how the camera's intrinsics move them all.
 
 from __future__ import annotations
 
-from motorcade.fusion.camera_imu.calibrate import (
-    CameraImuCalibration,
-    Parameter,
-    calibrate_camera_imu,
-)
+from motorcade.fusion.camera_imu.calibrate import CameraImuCalibration, calibrate_camera_imu
 
-__all__ = ["CameraImuCalibration", "Parameter", "calibrate_camera_imu"]
+__all__ = ["CameraImuCalibration", "calibrate_camera_imu"]

@@ -247,7 +247,7 @@ class Parameter:
         unobservable: where the motion does not tell it, what would; else empty.
 
     Examples:
-        >>> from motorcade.fusion.camera_imu import Parameter
+        >>> from motorcade.fusion.camera_imu.calibrate import Parameter
         >>> Parameter("offset_s", 0.0123, 2e-5, "").unobservable
         ''
     """

@@ -30,7 +30,7 @@ class LatencyCurve:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.filter import LatencyCurve
+        >>> from motorcade.fusion.filter.findings import LatencyCurve
         >>> LatencyCurve(np.array([0.0, np.inf]), np.array([9e-3, 4e-3]), np.zeros(2)).position_m
         array([0.009, 0.004])
     """

@@ -72,7 +72,7 @@ def fit_noise(
         >>> import numpy as np
         >>> from motorcade.fusion import ADIS16448, ContinuousPath
         >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
-        >>> from motorcade.fusion.filter import fit_noise
+        >>> from motorcade.fusion.filter.fitting import fit_noise
         >>> from motorcade.fusion.motions import handheld
         >>> from motorcade.ga import Motor
         >>> rng = np.random.default_rng(0)

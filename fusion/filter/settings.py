@@ -43,7 +43,8 @@ class RestDetection:
         ValueError: a number that is not above zero.
 
     Examples:
-        >>> from motorcade.fusion.filter import FilterSettings, RestDetection
+        >>> from motorcade.fusion.filter import FilterSettings
+        >>> from motorcade.fusion.filter.settings import RestDetection
         >>> FilterSettings(rest=RestDetection(window_s=1.0)).rest.window_s
         1.0
     """

@@ -33,7 +33,7 @@ class Judgement:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.filter import Judgement
+        >>> from motorcade.fusion.filter.sourced import Judgement
         >>> Judgement("altitude", np.array([0]), np.array([0.7]), np.array([True])).accepted
         array([ True])
     """

@@ -77,7 +77,7 @@ class GraphCalibration:
         rounds: how often the samples were summed up anew.
 
     Examples:
-        >>> from motorcade.fusion.graph import GraphCalibration
+        >>> from motorcade.fusion.graph.calibrate import GraphCalibration
         >>> [name for name in GraphCalibration.__dataclass_fields__][:3]
         ['fused', 'gyro_correction', 'accel_correction']
     """
@@ -142,7 +142,7 @@ def calibrate_by_graph(
         >>> import numpy as np
         >>> from motorcade.fusion import ADIS16448, ContinuousPath, ImuStream
         >>> from motorcade.fusion import simulate_camera_poses, simulate_imu
-        >>> from motorcade.fusion.graph import calibrate_by_graph
+        >>> from motorcade.fusion.graph.calibrate import calibrate_by_graph
         >>> from motorcade.fusion.motions import gimbal_crossing
         >>> from motorcade.ga import Motor
         >>> rng = np.random.default_rng(0)

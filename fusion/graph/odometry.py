@@ -38,7 +38,7 @@ class OdometryNoise:
         ValueError: a number that is not above zero.
 
     Examples:
-        >>> from motorcade.fusion.graph import OdometryNoise
+        >>> from motorcade.fusion.graph.odometry import OdometryNoise
         >>> OdometryNoise(translation_m_rts=0.0)
         Traceback (most recent call last):
         ...

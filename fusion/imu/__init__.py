@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.imu.allan import AllanCurve, StreamNoise, allan_deviation, estimate_noise
+from motorcade.fusion.imu.allan import StreamNoise, estimate_noise
 from motorcade.fusion.imu.continuous_path import ContinuousPath
 from motorcade.fusion.imu.faults import ImuFaults
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
 from motorcade.fusion.imu.screening import screen_imu
-from motorcade.fusion.imu.simulate import SimulatedImu, simulate_imu, simulate_imu_in_chunks
+from motorcade.fusion.imu.simulate import simulate_imu, simulate_imu_in_chunks
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.imu.vibration import VibrationSpectrum
 
 __all__ = [
     "ADIS16448",
-    "AllanCurve",
     "ContinuousPath",
     "ImuFaults",
     "ImuNoise",
     "ImuStream",
-    "SimulatedImu",
     "StreamNoise",
     "VibrationSpectrum",
-    "allan_deviation",
     "estimate_noise",
     "screen_imu",
     "simulate_imu",

@@ -44,7 +44,7 @@ class AllanCurve:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.imu import allan_deviation
+        >>> from motorcade.fusion.imu.allan import allan_deviation
         >>> curve = allan_deviation(np.random.default_rng(0).normal(size=1000), rate_hz=100.0)
         >>> curve.clusters[:4]
         array([1, 2, 3, 4])
@@ -146,7 +146,7 @@ def allan_deviation(
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.imu import allan_deviation
+        >>> from motorcade.fusion.imu.allan import allan_deviation
         >>> white = np.random.default_rng(0).normal(0.0, 0.1, 10_000)
         >>> allan_deviation(white, rate_hz=100.0, tau_s=[0.01, 0.16]).deviation.round(3)
         array([0.1  , 0.025])

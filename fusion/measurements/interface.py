@@ -68,7 +68,7 @@ class PredictedState:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import PredictedState
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> state = PredictedState.at(Motor.from_translation([1.0, 0.0, 0.0]), [0.0, 2.0, 0.0])
         >>> error = np.zeros(30)

@@ -51,7 +51,8 @@ class BodyPoseMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import BodyPoseMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.poses import BodyPoseMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> imu_T_body = Motor.from_translation([0.1, 0.0, 0.0])
         >>> seen = BodyPoseMeasurements(
@@ -104,7 +105,8 @@ class RelativePoseMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import PredictedState, RelativePoseMeasurements
+        >>> from motorcade.fusion.measurements import RelativePoseMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> step = Motor.from_translation([[0.0, 0.3, 0.0]])
         >>> moved = RelativePoseMeasurements(
@@ -201,7 +203,8 @@ class CornerMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import CornerMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.poses import CornerMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> from motorcade.tracking import Camera
         >>> seen = CornerMeasurements(

@@ -40,7 +40,8 @@ class PositionMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import PositionMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements import PositionMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> seen = PositionMeasurements(
         ...     time_ns=np.array([0]), position_m=[[1.0, 0.0, 2.0]], covariance=0.01 * np.eye(3),
@@ -120,7 +121,8 @@ class AltitudeMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import AltitudeMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.positions import AltitudeMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> seen = AltitudeMeasurements(
         ...     time_ns=np.array([0]), altitude_m=[2.0], covariance=0.01
@@ -170,7 +172,8 @@ class VelocityMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import PredictedState, VelocityMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
+        >>> from motorcade.fusion.measurements.positions import VelocityMeasurements
         >>> from motorcade.ga import Motor
         >>> still = VelocityMeasurements.zero(time_ns=np.array([0]), sigma_m_s=0.01)
         >>> still.residual(0, PredictedState.at(Motor.identity(), [0.0, 0.2, 0.0])) + 0.0
@@ -229,7 +232,8 @@ class BodyVelocityMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import BodyVelocityMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.positions import BodyVelocityMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> driven = BodyVelocityMeasurements.of_wheels(
         ...     time_ns=np.array([0]), speed_m_s=[3.0], sigma_m_s=0.1, slip_sigma_m_s=0.05
@@ -323,7 +327,8 @@ class HeadingMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import HeadingMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.positions import HeadingMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> seen = HeadingMeasurements(time_ns=np.array([0]), heading_rad=[3.1], covariance=0.01)
         >>> world_T_imu = Motor.from_twist([0.0, 0.0, -3.1, 0.0, 0.0, 0.0])
@@ -374,7 +379,8 @@ class MagneticFieldMeasurements(Measurements):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.measurements import MagneticFieldMeasurements, PredictedState
+        >>> from motorcade.fusion.measurements.positions import MagneticFieldMeasurements
+        >>> from motorcade.fusion.measurements.interface import PredictedState
         >>> from motorcade.ga import Motor
         >>> seen = MagneticFieldMeasurements(
         ...     time_ns=np.array([0]), measured_field=[[0.0, 20.0, -43.0]],

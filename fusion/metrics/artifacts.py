@@ -190,7 +190,7 @@ def rotation_path_rad(rotors: Rotor) -> float:
     """Length of a path of orientations ``(N,)``: the sum of the angles between neighbours.
 
     Examples:
-        >>> from motorcade.fusion.metrics import rotation_path_rad
+        >>> from motorcade.fusion.metrics.artifacts import rotation_path_rad
         >>> from motorcade.ga import Rotor
         >>> rotors = Rotor.from_euler([[0.0, 0.0, 0.0], [0.0, 0.0, 0.9], [0.0, 0.0, 0.6]])
         >>> round(rotation_path_rad(rotors), 6)
@@ -206,7 +206,7 @@ def path_over_geodesic(rotors: Rotor) -> float:
         NotObservableError: ends of the same orientation.
 
     Examples:
-        >>> from motorcade.fusion.metrics import path_over_geodesic
+        >>> from motorcade.fusion.metrics.artifacts import path_over_geodesic
         >>> from motorcade.ga import Rotor
         >>> rotors = Rotor.from_euler([[0.0, 0.0, 0.0], [0.0, 0.0, 0.9], [0.0, 0.0, 0.6]])
         >>> round(path_over_geodesic(rotors), 6)

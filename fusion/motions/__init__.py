@@ -7,27 +7,14 @@ of the comparison; `motorcade.fusion.motions.degradations` adds noise, outliers 
 
 from __future__ import annotations
 
-from motorcade.fusion.motions.motion import (
-    Factor,
-    Motion,
-    Polynomial,
-    Signal,
-    Sines,
-    Stops,
-    even_stamps,
-)
+from motorcade.fusion.motions.motion import Factor, Motion
 from motorcade.fusion.motions.standard import (
     MOTIONS,
-    antipodal_crossing,
-    distant_circle,
-    fast_spin,
     gimbal_crossing,
-    gimbal_hover,
     handheld,
     screw,
     stop_and_go,
     tumble,
-    walk_and_look,
     zoom,
 )
 
@@ -35,20 +22,10 @@ __all__ = [
     "MOTIONS",
     "Factor",
     "Motion",
-    "Polynomial",
-    "Signal",
-    "Sines",
-    "Stops",
-    "antipodal_crossing",
-    "distant_circle",
-    "even_stamps",
-    "fast_spin",
     "gimbal_crossing",
-    "gimbal_hover",
     "handheld",
     "screw",
     "stop_and_go",
     "tumble",
-    "walk_and_look",
     "zoom",
 ]

@@ -33,7 +33,7 @@ class Signal(ABC):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import Polynomial, Signal, Sines
+        >>> from motorcade.fusion.motions.motion import Polynomial, Signal, Sines
         >>> signals = Polynomial((0.0, 1.0)), Sines.single(0.1, 0.5)
         >>> [isinstance(one, Signal) for one in signals], signals[0].derivatives(np.zeros(5)).shape
         ([True, True], (4, 5))
@@ -50,7 +50,7 @@ class Polynomial(Signal):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import Polynomial
+        >>> from motorcade.fusion.motions.motion import Polynomial
         >>> value, slope, _, _ = Polynomial((1.0, 2.0)).derivatives(np.array([0.0, 3.0]))
         >>> value, slope
         (array([1., 7.]), array([2., 2.]))
@@ -78,7 +78,7 @@ class Sines(Signal):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import Sines
+        >>> from motorcade.fusion.motions.motion import Sines
         >>> value, slope, _, _ = Sines.single(0.1, frequency_hz=0.5).derivatives(np.array([0.5]))
         >>> value
         array([0.1])
@@ -161,7 +161,7 @@ class Stops(Signal):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import Stops
+        >>> from motorcade.fusion.motions.motion import Stops
         >>> Stops((0.0, 1.0), move_s=1.0, rest_s=0.5).derivatives(np.array([0.5, 1.25]))[0]
         array([0.5, 1. ])
     """
@@ -217,7 +217,8 @@ class Factor:
         signal: how far, over time.
 
     Examples:
-        >>> from motorcade.fusion.motions import Factor, Motion, Polynomial
+        >>> from motorcade.fusion.motions import Factor, Motion
+        >>> from motorcade.fusion.motions.motion import Polynomial
         >>> from motorcade.ga import Motor
         >>> turning = Factor([0, 0, 1, 0, 0, 0], Polynomial((0.0, 0.5)))  # 0.5 rad/s about z
         >>> Motion((turning,), Motor).at(2.0).pose.rotor.as_rotation_vector()
@@ -249,7 +250,8 @@ class Motion(Generic[V]):
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import Factor, Motion, Polynomial
+        >>> from motorcade.fusion.motions import Factor, Motion
+        >>> from motorcade.fusion.motions.motion import Polynomial
         >>> from motorcade.ga import Motor
         >>> ahead = Factor([0, 0, 0, 1, 0, 0], Polynomial((0.0, 2.0)))  # 2 m/s along x
         >>> turning = Factor([0, 0, 1, 0, 0, 0], Polynomial((0.0, np.pi)))
@@ -342,7 +344,7 @@ def even_stamps(rate_hz: float, duration_s: float) -> IntArray:
             stamps.
 
     Examples:
-        >>> from motorcade.fusion.motions import even_stamps
+        >>> from motorcade.fusion.motions.motion import even_stamps
         >>> even_stamps(rate_hz=30.0, duration_s=0.1)
         array([        0,  33333333,  66666667, 100000000])
     """

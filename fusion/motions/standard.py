@@ -77,7 +77,7 @@ def gimbal_hover(radius_rad: float = np.deg2rad(5.0)) -> Motion[Motor]:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import gimbal_hover
+        >>> from motorcade.fusion.motions.standard import gimbal_hover
         >>> twist = gimbal_hover().at(np.linspace(0.0, 5.0, 501)).body_twist
         >>> rate_rad_s = np.linalg.norm(twist[:, :3], axis=1)
         >>> print(f"up to {rate_rad_s.max():.2f} rad/s")
@@ -147,7 +147,7 @@ def distant_circle(
     """Swing about a vertical axis `radius_m` away, nodding: small turns, large shifts.
 
     Examples:
-        >>> from motorcade.fusion.motions import distant_circle
+        >>> from motorcade.fusion.motions.standard import distant_circle
         >>> path = distant_circle().sampled(rate_hz=30.0, duration_s=10.0)  # world_T_camera
         >>> path.poses.translation_m.std(axis=0).round(2)  # metres
         array([2.89, 2.99, 0.  ])
@@ -194,7 +194,7 @@ def walk_and_look(
     """Walk ahead, bob at every step and sway at every second, look left, ahead, right and down.
 
     Examples:
-        >>> from motorcade.fusion.motions import walk_and_look
+        >>> from motorcade.fusion.motions.standard import walk_and_look
         >>> path = walk_and_look().sampled(rate_hz=30.0, duration_s=10.0)  # world_T_camera
         >>> path.poses.translation_m.std(axis=0).round(2)  # metres
         array([3.76, 0.02, 0.01])
@@ -244,7 +244,7 @@ def fast_spin(rate_rad_s: float = 20.0, swing_rad: float = 0.8) -> Motion[Motor]
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import fast_spin
+        >>> from motorcade.fusion.motions.standard import fast_spin
         >>> twist = fast_spin().at(np.linspace(0.0, 5.0, 501)).body_twist
         >>> rate_rad_s = np.linalg.norm(twist[:, :3], axis=1)
         >>> print(f"up to {rate_rad_s.max():.2f} rad/s")
@@ -270,7 +270,7 @@ def antipodal_crossing(period_s: float = 8.0) -> Motion[Motor]:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.motions import antipodal_crossing
+        >>> from motorcade.fusion.motions.standard import antipodal_crossing
         >>> twist = antipodal_crossing().at(np.linspace(0.0, 5.0, 501)).body_twist
         >>> rate_rad_s = np.linalg.norm(twist[:, :3], axis=1)
         >>> print(f"up to {rate_rad_s.max():.2f} rad/s")

@@ -12,21 +12,11 @@ with ``full=True`` tells what is known of the result, a `SmoothingResult`; filte
 
 from __future__ import annotations
 
-from motorcade.fusion.smoothing.auto import (
-    AutomaticPath,
-    SmootherChoice,
-    choose,
-    smoothed_automatically,
-)
-from motorcade.fusion.smoothing.batch import RobustPath, estimate_path
+from motorcade.fusion.smoothing.auto import choose, smoothed_automatically
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
-    DoubleExponential,
-    Exponential,
     OneEuro,
-    SmoothedStates,
-    smoothed_states,
 )
 from motorcade.fusion.smoothing.curve import PathCurve
 from motorcade.fusion.smoothing.live import LiveSmoother
@@ -43,24 +33,16 @@ __all__ = [
     "METHODS",
     "REPRESENTATIONS",
     "REPRESENTATION_NAMES",
-    "AutomaticPath",
     "ConstantAccelerationFilter",
     "ConstantVelocityFilter",
-    "DoubleExponential",
-    "Exponential",
     "LiveSmoother",
     "OneEuro",
     "PathCurve",
     "Representation",
-    "RobustPath",
-    "SmoothedStates",
-    "SmootherChoice",
     "SmoothingResult",
     "automatic_window_s",
     "choose",
-    "estimate_path",
     "method_parameters",
     "smooth",
     "smoothed_automatically",
-    "smoothed_states",
 ]

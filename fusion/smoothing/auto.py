@@ -146,7 +146,8 @@ class SmootherChoice:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import handheld
         >>> from motorcade.fusion.motions.degradations import Gaussian
-        >>> from motorcade.fusion.smoothing import SmootherChoice, choose
+        >>> from motorcade.fusion.smoothing import choose
+        >>> from motorcade.fusion.smoothing.auto import SmootherChoice
         >>> rng = np.random.default_rng(0)
         >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
         >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)

@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-from motorcade.fusion.visual_inertial.online import (
-    InertialFrame,
-    InertialSlam,
-    InertialSlamResult,
-    InertialState,
-)
-from motorcade.fusion.visual_inertial.sequence import FusedMap, MetricMap, fuse_map, metric_map
-from motorcade.fusion.visual_inertial.start import InertialStart, start_inertial
-from motorcade.fusion.visual_inertial.tight import (
-    LandmarkObservations,
-    VisualInertial,
-    adjust_visual_inertial,
-)
-from motorcade.fusion.visual_inertial.window import InertialAdjuster, KeyframeMotion
+from motorcade.fusion.visual_inertial.online import InertialSlam, InertialSlamResult
+from motorcade.fusion.visual_inertial.sequence import MetricMap, metric_map
+from motorcade.fusion.visual_inertial.start import start_inertial
+from motorcade.fusion.visual_inertial.tight import adjust_visual_inertial
 
 __all__ = [
-    "FusedMap",
-    "InertialAdjuster",
-    "InertialFrame",
     "InertialSlam",
     "InertialSlamResult",
-    "InertialStart",
-    "InertialState",
-    "KeyframeMotion",
-    "LandmarkObservations",
     "MetricMap",
-    "VisualInertial",
     "adjust_visual_inertial",
-    "fuse_map",
     "metric_map",
     "start_inertial",
 ]

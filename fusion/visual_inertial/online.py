@@ -61,7 +61,7 @@ class InertialFrame:
         velocity_m_s: ``(3,)`` of the IMU in the world, None where there is no pose.
         visual: what visual SLAM said.
 
-    >>> from motorcade.fusion.visual_inertial import InertialFrame
+    >>> from motorcade.fusion.visual_inertial.online import InertialFrame
     >>> from motorcade.tracking.slam import SlamFrame
     >>> InertialFrame(0, "initialising", None, None, None, SlamFrame(0, "initialising")).state
     'initialising'

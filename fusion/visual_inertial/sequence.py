@@ -32,7 +32,7 @@ Examples:
     >>> history = SlamHistory(path.time_ns, ("tracking",) * len(path), none, none, none, ())
     >>> result = SlamResult(path, covariance, history, path, snapshot, (), False, (), {})
 
-    >>> from motorcade.fusion.visual_inertial import fuse_map
+    >>> from motorcade.fusion.visual_inertial.sequence import fuse_map
     >>> made = fuse_map(result, camera, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
     >>> made.fused.trajectory, bool(abs(made.start.world_T_visual.scale - 2.0) < 0.05)
     (Trajectory(world_T_camera, 61 poses, 3.000 s), True)

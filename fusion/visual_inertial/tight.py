@@ -64,7 +64,7 @@ class VisualInertial:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.visual_inertial import VisualInertial
+        >>> from motorcade.fusion.visual_inertial.tight import VisualInertial
         >>> from motorcade.ga import Motor, Trajectory
         >>> world_T_camera = Motor.from_translation([[0.0, 0.0, 1.5], [0.1, 0.0, 1.5]])
         >>> none, velocity_m_s = np.zeros((2, 3)), np.array([[0.2, 0.0, 0.0]] * 2)
@@ -125,7 +125,7 @@ def adjust_visual_inertial(
         >>> from motorcade.fusion import ADIS16448, ContinuousPath, adjust_visual_inertial
         >>> from motorcade.fusion import simulate_imu
         >>> from motorcade.fusion.motions import handheld
-        >>> from motorcade.fusion.visual_inertial import LandmarkObservations
+        >>> from motorcade.fusion.visual_inertial.tight import LandmarkObservations
         >>> from motorcade.ga import Motor
         >>> from motorcade.tracking import Camera
         >>> rng = np.random.default_rng(0)
@@ -336,7 +336,7 @@ class LandmarkObservations:
             landmark twice in one keyframe.
 
     Examples:
-        >>> from motorcade.fusion.visual_inertial import LandmarkObservations
+        >>> from motorcade.fusion.visual_inertial.tight import LandmarkObservations
         >>> seen = LandmarkObservations([0, 1], [0, 0], [[320.0, 240.0], [310.5, 240.2]])
         >>> len(seen)
         2

@@ -47,7 +47,7 @@ class KeyframeMotion:
         bias: ``(6,)`` of gyroscope (rad/s) and accelerometer (m/s²).
 
     >>> import numpy as np
-    >>> from motorcade.fusion.visual_inertial import KeyframeMotion
+    >>> from motorcade.fusion.visual_inertial.window import KeyframeMotion
     >>> KeyframeMotion(np.array([0.2, 0.0, 0.0]), np.zeros(6)).velocity_m_s
     array([0.2, 0. , 0. ])
     """

@@ -10,15 +10,8 @@ Derivatives and the kernels' definitions need CasADi, and mpmath; what is writte
 
 from __future__ import annotations
 
-from motorcade.ga.codegen.derivatives import Jacobian
-from motorcade.ga.codegen.functions import CompiledFunction, compile_function, program
-from motorcade.ga.codegen.programs import Program, compile_script
+from motorcade.ga.codegen.functions import program
 
 __all__ = [
-    "CompiledFunction",
-    "Jacobian",
-    "Program",
-    "compile_function",
-    "compile_script",
     "program",
 ]

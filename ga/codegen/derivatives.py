@@ -24,7 +24,7 @@ class Jacobian:
 
     >>> import numpy as np
     >>> from motorcade.ga.algebra import EGA3
-    >>> from motorcade.ga.codegen import compile_function
+    >>> from motorcade.ga.codegen.functions import compile_function
     >>> def turned(v, angle):
     ...     return (-angle / 2 * EGA3.blade("e1^e2")).exp().sandwich(v)
     >>> by_angle = compile_function(turned, algebra=EGA3, v="e1 e2 e3").jacobian("angle")

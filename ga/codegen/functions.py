@@ -39,7 +39,7 @@ class CompiledFunction:
 
     >>> import numpy as np
     >>> from motorcade.ga.algebra import CGA3
-    >>> from motorcade.ga.codegen import compile_function
+    >>> from motorcade.ga.codegen.functions import compile_function
     >>> def square(a):
     ...     return a * a
     >>> compiled = compile_function(square, a="e1 e2 e3")

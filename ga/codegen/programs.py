@@ -29,7 +29,7 @@ class Program:
     component is identically zero: an output of which nothing is left keeps its name and has no
     components. `passes` tells what the optimiser did.
 
-    >>> from motorcade.ga.codegen import compile_script
+    >>> from motorcade.ga.codegen.programs import compile_script
     >>> from motorcade.ga.script import parse
     >>> square = compile_script(parse("a = x*e1 + 2*e2; ?b = a*a;"), "square")
     >>> square.tape.operations(), [operand.name for operand in square.tape.outputs]
@@ -55,7 +55,7 @@ def compile_script(script: Script, name: str, algebra: Algebra | None = None) ->
         ValueError: a name that is no identifier, a script without outputs, values that are not
             finite whatever the variables are.
 
-    >>> from motorcade.ga.codegen import compile_script
+    >>> from motorcade.ga.codegen.programs import compile_script
     >>> from motorcade.ga.codegen.targets import TARGETS
     >>> from motorcade.ga.script import parse
     >>> square = compile_script(parse("a = x*e1 + 2*e2; ?b = a*a;"), "square")

@@ -7,9 +7,9 @@ that are always there, `algebras` the named algebras with their macros.
 
 from __future__ import annotations
 
-from motorcade.ga.script.errors import ScriptError, ScriptWarning
+from motorcade.ga.script.errors import ScriptError
 from motorcade.ga.script.meaning import evaluate
 from motorcade.ga.script.reading.parser import parse
 from motorcade.ga.script.reading.syntax import Script
 
-__all__ = ["Script", "ScriptError", "ScriptWarning", "evaluate", "parse"]
+__all__ = ["Script", "ScriptError", "evaluate", "parse"]

@@ -47,7 +47,7 @@ class ShadedPoints:
         ValueError: shapes that differ.
 
     >>> import numpy as np
-    >>> from motorcade.render.light import ShadedPoints
+    >>> from motorcade.render.light.estimate import ShadedPoints
     >>> wall = ShadedPoints(np.zeros((2, 3)), np.tile([0, 0, 1.0], (2, 1)), np.full((2, 3), 0.5))
     >>> len(ShadedPoints.joined([wall, wall]).points_m)
     4
@@ -82,7 +82,7 @@ class LightEstimate:
         color: (3,) linear RGB of the light, mean 1.
 
     >>> import numpy as np
-    >>> from motorcade.render.light import LightEstimate
+    >>> from motorcade.render.light.estimate import LightEstimate
     >>> from_above = LightEstimate(np.array([1.0, 0, 0.4, 0, 0, 0, 0, 0, 0]), np.ones(3))
     >>> from_above.towards_light, round(from_above.contrast, 3)
     (array([0., 0., 1.]), 0.693)

@@ -86,7 +86,8 @@ class ExposureMeter:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.render.light import ExposureMeter, GroundMap
+    >>> from motorcade.render.light import ExposureMeter
+    >>> from motorcade.render.light.ground import GroundMap
     >>> none, light = np.zeros((8, 8), bool), np.full((8, 8), 0.5)
     >>> lawn = GroundMap(Motor.identity(), 0.1, light, 0 * light, none, none, 0.1, np.zeros(2))
     >>> len(ExposureMeter(lawn).points_m)

@@ -57,7 +57,7 @@ class GroundMap:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.render.light import GroundMap
+    >>> from motorcade.render.light.ground import GroundMap
     >>> even = np.full((4, 4), 0.5)
     >>> none = np.zeros((4, 4), bool)
     >>> lawn = GroundMap(Motor.identity(), 0.1, even, 0.0 * even, none, none, 0.1, np.zeros(2))

@@ -274,7 +274,7 @@ class LightDirection:
         reason: by what, or why it is unknown.
         lamp_radius_rad: apparent radius of the light by the rims of shadows; None where none tells.
 
-    >>> from motorcade.render.light import LightDirection
+    >>> from motorcade.render.light.monocular import LightDirection
     >>> LightDirection(None, 1.2, None, "no shadow beside anything").towards is None
     True
     """

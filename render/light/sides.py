@@ -67,7 +67,7 @@ class CastShadow:
         elevation_rad: of the light, by the thing's height; None where that is not seen.
 
     >>> import numpy as np
-    >>> from motorcade.render.light import CastShadow
+    >>> from motorcade.render.light.sides import CastShadow
     >>> CastShadow(np.zeros(2), np.array([1.0, 0.0]), 0.6, 0.9).darkening
     0.6
     """

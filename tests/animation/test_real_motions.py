@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Character, Clip, mannequin, skin
-from motorcade.animation.blend import BLEND_METHODS, closed, differences_m, split_root_motion
+from motorcade.animation.blend import closed, differences_m
+from motorcade.animation.blend.locomotion import split_root_motion
+from motorcade.animation.blend.methods import BLEND_METHODS
 from motorcade.animation.formats import read_character, read_motion
 from motorcade.animation.ik import Leg, find_stances, plant_feet
 from motorcade.animation.ik.feet import fitted_legs
 from motorcade.animation.place import GroundPath, on_the_spot, walk_along
-from motorcade.animation.retarget import body_of, joints_alike, legs_of, retarget
+from motorcade.animation.retarget import body_of, legs_of, retarget
+from motorcade.animation.retarget.reference import joints_alike
 from motorcade.ga import Motor
 
 GAITS = ("walk", "jog", "run")

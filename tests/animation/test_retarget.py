@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Clip, Skeleton
-from motorcade.animation.retarget import joints_alike, retarget
+from motorcade.animation.retarget import retarget
+from motorcade.animation.retarget.reference import joints_alike
 from motorcade.ga import Motor, Rotor
 
 NAMES = ("Hips", "Spine", "LeftArm", "LeftForeArm", "LeftHand", "LeftUpLeg", "LeftLeg")

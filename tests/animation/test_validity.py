@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from motorcade.animation import Character, Clip, PoseRuntime, Skeleton, Skinner, skin
-from motorcade.animation.blend import BLEND_METHODS, PoseLayer, added, blend_layers, blend_poses
-from motorcade.animation.skin import SKIN_METHODS
+from motorcade.animation import Character, Clip, Skeleton, skin
+from motorcade.animation.blend import PoseLayer, added, blend_layers, blend_poses
+from motorcade.animation.blend.methods import BLEND_METHODS
+from motorcade.animation.skin import SKIN_METHODS, PoseRuntime, Skinner
 from motorcade.ga import Motor, Similarity
 
 PARENTS = np.array([-1, 0, 1])

@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.animation import Clip, PoseRuntime, Skeleton
+from motorcade.animation import Clip, Skeleton
 from motorcade.animation.blend import (
-    BLEND_METHODS,
     BlendSpace,
     CrossFade,
     Inertialized,
@@ -18,8 +17,10 @@ from motorcade.animation.blend import (
     Shifted,
     blend_clips,
     closed,
-    split_root_motion,
 )
+from motorcade.animation.blend.locomotion import split_root_motion
+from motorcade.animation.blend.methods import BLEND_METHODS
+from motorcade.animation.skin import PoseRuntime
 from motorcade.ga import Motor, Similarity
 
 JOINTS = 3

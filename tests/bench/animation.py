@@ -21,19 +21,17 @@ import numpy as np
 from motorcade.animation import (
     Character,
     GroundPath,
-    Leg,
-    PoseRuntime,
     Skeleton,
-    Skinner,
     blend_poses,
     legs_of,
     mannequin,
     skin,
     walk_along,
 )
-from motorcade.animation.ik import find_stances
-from motorcade.animation.place import Walk, on_the_spot
-from motorcade.animation.skin import SKIN_METHODS, palette
+from motorcade.animation.ik import Leg, find_stances
+from motorcade.animation.place import on_the_spot
+from motorcade.animation.place.walks import Walk
+from motorcade.animation.skin import SKIN_METHODS, PoseRuntime, Skinner, palette
 from motorcade.ga import Motor, kernels
 from tests.bench.data import data_folder
 from tests.bench.kinematics import solving

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.animation import Chain, Character, Skeleton, bend_limb, legs_of, reach_with
-from motorcade.animation.ik import Ball, Floating, Hinge, IkSolver, PoseGoal, fabrik
+from motorcade.animation.ik import Ball, Hinge, IkSolver, PoseGoal, fabrik
+from motorcade.animation.ik.chain import Floating
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from tests.bench.timing import median_seconds

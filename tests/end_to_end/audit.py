@@ -34,7 +34,7 @@ from motorcade.tracking import AuditFinding, Checkerboard, track_board
 from motorcade.tracking.depth import DepthCamera
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.scenes import FixedMarker, MarkerBody, map_scene
-from motorcade.tracking.targets import compare_layout
+from motorcade.tracking.targets.stated import compare_layout
 from tests.fusion.health.cases import FAULTS, flown
 from tests.textured_room.recording import write_recording
 from tests.textured_room.scenarios import scenario

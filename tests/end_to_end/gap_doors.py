@@ -22,7 +22,8 @@ from motorcade.fusion import (
     simulate_imu,
     synchronise,
 )
-from motorcade.fusion.filter import fit_noise, latency_curve, learn_noise
+from motorcade.fusion.filter import latency_curve, learn_noise
+from motorcade.fusion.filter.fitting import fit_noise
 from motorcade.fusion.graph.calibrate import calibrate_by_graph
 from motorcade.fusion.graph.odometry import fuse_odometry
 from motorcade.fusion.health import check_health
@@ -46,10 +47,9 @@ from motorcade.fusion.metrics import (
     position_lag_s,
     position_overshoot_m,
     rotation_overshoot_rad,
-    without_scale,
 )
+from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions.degradations import (
-    Blackouts,
     DroppedFrames,
     Latency,
     Outliers,
@@ -57,6 +57,7 @@ from motorcade.fusion.motions.degradations import (
     Quantised,
     StampJitter,
 )
+from motorcade.fusion.motions.degradations.kinds import Blackouts
 from motorcade.fusion.smoothing import (
     METHODS,
     ConstantVelocityFilter,
@@ -64,11 +65,11 @@ from motorcade.fusion.smoothing import (
     PathCurve,
     automatic_window_s,
     choose,
-    estimate_path,
     smooth,
     smoothed_automatically,
-    smoothed_states,
 )
+from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.causal import smoothed_states
 from motorcade.fusion.visual_inertial import InertialSlam, start_inertial
 from motorcade.ga import CumulativeBSpline, Motor, ScrewPath
 from motorcade.replays.cli.main import main as motorcade

@@ -25,7 +25,8 @@ import numpy as np
 from motorcade.animation import Character, Clip, Skeleton
 from motorcade.animation.formats import NoMeshError, read_character, read_motion
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.place import on_its_soles, standing_height_m
+from motorcade.animation.place import on_its_soles
+from motorcade.animation.place.anchors import standing_height_m
 from motorcade.animation.retarget import body_of, legs_of, retarget
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

@@ -28,7 +28,8 @@ from motorcade.replays.io.readers.ros.reader import EmptyBag
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.audit import worst
-from motorcade.tracking.markers.scenes import MappedScene, map_scene
+from motorcade.tracking.markers.scenes import map_scene
+from motorcade.tracking.markers.scenes.mapped import MappedScene
 from tests.bench.tracking.tag_flips import tagslam_folder
 
 KEPT = Path(__file__).with_name("tagslam.json")

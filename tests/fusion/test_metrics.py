@@ -15,7 +15,6 @@ from scipy.spatial.transform import Rotation
 
 from motorcade.fusion.metrics import (
     NotObservableError,
-    Statistics,
     accelerations,
     align,
     angular_rate_lag_s,
@@ -27,6 +26,7 @@ from motorcade.fusion.metrics import (
     rotation_rad,
     tilt_rad,
 )
+from motorcade.fusion.metrics.poses.pose_error import Statistics
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.trajectories import read_trajectory
 

@@ -15,7 +15,8 @@ from motorcade.fusion import (
     smooth,
     synchronise,
 )
-from motorcade.fusion.filter import FilterSettings, fit_noise
+from motorcade.fusion.filter import FilterSettings
+from motorcade.fusion.filter.fitting import fit_noise
 from motorcade.fusion.metrics import angular_rate_lag_s, evaluate
 from motorcade.fusion.metrics.lag import _even_rates
 from motorcade.fusion.metrics.smooth_path import SmoothPath

@@ -38,7 +38,8 @@ class Target:
 
 
 def _scripts(folder: Path) -> Target:
-    from motorcade.ga.script import ScriptError, ScriptWarning, parse
+    from motorcade.ga.script import ScriptError, parse
+    from motorcade.ga.script.errors import ScriptWarning
 
     def read(data: bytes) -> None:
         try:

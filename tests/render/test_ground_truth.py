@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from motorcade.render.light import LightEstimate
+from motorcade.render.light.estimate import LightEstimate
 from tests.bench.view.ground_truth import (
     Shots,
     alike,

@@ -7,15 +7,14 @@ from motorcade.animation import Placement, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun
-from motorcade.render.light import (
+from motorcade.render.light import harmonics, sun_share
+from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
     estimate_light,
-    estimated_lighting,
-    harmonics,
     shaded_points,
-    sun_share,
 )
+from motorcade.render.light.lamps import estimated_lighting
 from motorcade.tracking.cameras.camera import Camera
 
 TO_SUN = np.array([0.48, -0.6, 0.64])

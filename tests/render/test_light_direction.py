@@ -8,15 +8,11 @@ from scipy.stats import norm
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.light import (
-    CastShadow,
-    ExposureMeter,
-    GroundMap,
-    LightDirection,
-    cast_shadows,
-    light_direction,
-)
-from motorcade.render.light.cast import things_seen
+from motorcade.render.light import ExposureMeter
+from motorcade.render.light.cast import cast_shadows, things_seen
+from motorcade.render.light.ground import GroundMap
+from motorcade.render.light.monocular import LightDirection, light_direction
+from motorcade.render.light.sides import CastShadow
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.view.rooms import FIVE, Room, draw_room, found_in, off_deg
 from tests.end_to_end import replacement

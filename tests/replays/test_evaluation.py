@@ -9,7 +9,8 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 
-from motorcade.fusion.metrics import Delta, Statistics, evaluate_matched, match
+from motorcade.fusion.metrics import Delta, evaluate_matched, match
+from motorcade.fusion.metrics.poses.pose_error import Statistics
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.replays.tasks.editing import error_image, error_rows

@@ -5,13 +5,12 @@ from __future__ import annotations
 from motorcade.tracking.boards.charuco import CharucoBoard
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.boards.circles import CircleGrid
-from motorcade.tracking.boards.corners import Board, BoardCorners, Pattern
+from motorcade.tracking.boards.corners import Board, BoardCorners
 from motorcade.tracking.boards.markers import MarkerGrid, SingleMarker
-from motorcade.tracking.boards.names import BOARD_NAMES, board_named
+from motorcade.tracking.boards.names import board_named
 from motorcade.tracking.checks import GrayImage
 
 __all__ = [
-    "BOARD_NAMES",
     "Board",
     "BoardCorners",
     "CharucoBoard",
@@ -19,7 +18,6 @@ __all__ = [
     "CircleGrid",
     "GrayImage",
     "MarkerGrid",
-    "Pattern",
     "SingleMarker",
     "board_named",
 ]

@@ -18,28 +18,11 @@ A wall 2 m away, seen by a depth camera that sits 25 mm to the left of the colou
 (2.0, True)
 """
 
-from motorcade.tracking.depth.cameras import (
-    DepthCamera,
-    EdgeOffset,
-    edge_offset,
-    inverse_depth_step,
-    register_depth,
-)
-from motorcade.tracking.depth.refine import (
-    FocalFactor,
-    RefinedByDepth,
-    focal_factor,
-    refine_by_depth,
-)
+from motorcade.tracking.depth.cameras import DepthCamera, register_depth
+from motorcade.tracking.depth.refine import focal_factor
 
 __all__ = [
     "DepthCamera",
-    "EdgeOffset",
-    "FocalFactor",
-    "RefinedByDepth",
-    "edge_offset",
     "focal_factor",
-    "inverse_depth_step",
-    "refine_by_depth",
     "register_depth",
 ]

@@ -225,7 +225,7 @@ def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> E
     Boxes before a wall, whose depth is 6 pixels too far to the left:
 
     >>> import numpy as np
-    >>> from motorcade.tracking.depth import edge_offset
+    >>> from motorcade.tracking.depth.cameras import edge_offset
     >>> gray, depth = np.full((240, 320), 90, np.uint8), np.full((240, 320), 3.0, np.float32)
     >>> for y, x in np.mgrid[30:200:40, 40:280:60].reshape(2, -1).T:
     ...     gray[y : y + 20, x : x + 30] = 160

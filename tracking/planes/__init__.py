@@ -1,12 +1,6 @@
 """Planes of a scene for placement: found in map points or depth; up is weighed by them."""
 
-from motorcade.tracking.planes.plane import (
-    FoundPlanes,
-    Plane,
-    find_planes,
-    find_planes_in_depth,
-    fit_plane,
-)
+from motorcade.tracking.planes.plane import Plane, find_planes, find_planes_in_depth, fit_plane
 from motorcade.tracking.planes.upward import (
     FlatSurface,
     UpEstimate,
@@ -18,7 +12,6 @@ from motorcade.tracking.planes.upward import (
 
 __all__ = [
     "FlatSurface",
-    "FoundPlanes",
     "Plane",
     "UpEstimate",
     "belief_in",

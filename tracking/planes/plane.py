@@ -283,7 +283,8 @@ class FoundPlanes:
         labels: index of each point's plane, ``(n,)`` or the shape of a depth image; -1 for none.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.planes import FoundPlanes, fit_plane
+    >>> from motorcade.tracking.planes import fit_plane
+    >>> from motorcade.tracking.planes.plane import FoundPlanes
     >>> points_m = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 3.0]])
     >>> found = FoundPlanes((fit_plane(points_m[:4]),), labels=np.array([0, 0, 0, 0, -1]))
     >>> points_m[found.labels == 0].shape  # those of the first plane

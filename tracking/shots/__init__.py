@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from motorcade.tracking.shots.camera_motion import CameraMotion
-from motorcade.tracking.shots.finding import ClipShot, ShotBreak, Shots, find_shots
+from motorcade.tracking.shots.finding import ClipShot, Shots, find_shots
 
-__all__ = ["CameraMotion", "ClipShot", "ShotBreak", "Shots", "find_shots"]
+__all__ = ["CameraMotion", "ClipShot", "Shots", "find_shots"]

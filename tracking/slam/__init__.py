@@ -6,23 +6,18 @@ VINS-Mono (Qin et al. 2018) for corners tracked between them.
 
 from __future__ import annotations
 
-from motorcade.tracking.frame_history import SLAM_STATES, SlamEvent, SlamHistory, SlamState
-from motorcade.tracking.slam.mapping.loops import ClosedLoop
+from motorcade.tracking.frame_history import SlamEvent, SlamHistory
 from motorcade.tracking.slam.mapping.map import MapSnapshot
-from motorcade.tracking.slam.results import SeparateMap, SlamFrame, SlamResult
+from motorcade.tracking.slam.results import SlamFrame, SlamResult
 from motorcade.tracking.slam.settings import SlamSettings
 from motorcade.tracking.slam.slam import VisualSlam
 
 __all__ = [
-    "SLAM_STATES",
-    "ClosedLoop",
     "MapSnapshot",
-    "SeparateMap",
     "SlamEvent",
     "SlamFrame",
     "SlamHistory",
     "SlamResult",
     "SlamSettings",
-    "SlamState",
     "VisualSlam",
 ]

@@ -42,7 +42,7 @@ class CountedBoard:
         plain: whether nothing is printed in its white squares.
 
     >>> from motorcade.tracking import Checkerboard
-    >>> from motorcade.tracking.targets import checkerboard_seen
+    >>> from motorcade.tracking.targets.chessboards import checkerboard_seen
     >>> image, _ = Checkerboard(7, 5, 0.03).draw(pixels_per_m=1500.0)
     >>> checkerboard_seen([image, image])
     CountedBoard(columns=7, rows=5, images=(0, 1), others=(), ends=True, plain=True)

@@ -57,7 +57,7 @@ class SeenFamily:
         observations: how often one of them was seen.
 
     >>> from motorcade.tracking import MarkerGrid
-    >>> from motorcade.tracking.targets import families_seen
+    >>> from motorcade.tracking.targets.families import families_seen
     >>> image, _ = MarkerGrid("aruco_5x5_100", 3, 2, 0.05, 0.02).draw(pixels_per_m=1500.0)
     >>> [found] = families_seen([image, image])
     >>> found.family, found.marker_ids, found.observations

@@ -114,7 +114,8 @@ def layout_fits(
 
     >>> import numpy as np
     >>> from motorcade.tracking import MarkerGrid
-    >>> from motorcade.tracking.targets import SeenMarkers, layout_fits
+    >>> from motorcade.tracking.targets import SeenMarkers
+    >>> from motorcade.tracking.targets.layouts import layout_fits
     >>> board = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.03)
     >>> corners = 900.0 * board.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
     >>> [fit] = layout_fits(board, [SeenMarkers(board.marker_ids, corners)])
@@ -150,7 +151,8 @@ def board_of_markers(family: str, seen: Sequence[SeenMarkers]) -> MarkerGrid | C
 
     >>> import numpy as np
     >>> from motorcade.tracking import MarkerGrid
-    >>> from motorcade.tracking.targets import SeenMarkers, board_of_markers
+    >>> from motorcade.tracking.targets import SeenMarkers
+    >>> from motorcade.tracking.targets.layouts import board_of_markers
     >>> print_ = MarkerGrid("tag36h11", 4, 3, marker_m=0.05, gap_m=0.02, first_id=8)
     >>> corners = 900.0 * print_.points_m[:, :2].reshape(-1, 4, 2) * [1.0, -1.0]
     >>> found = board_of_markers("tag36h11", [SeenMarkers(print_.marker_ids, corners)])

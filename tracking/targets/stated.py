@@ -60,7 +60,7 @@ def compare_layout(
         what was found; None for boards of other kinds, of which nothing can be told so.
 
     >>> from motorcade.tracking import MarkerGrid
-    >>> from motorcade.tracking.targets import compare_layout
+    >>> from motorcade.tracking.targets.stated import compare_layout
     >>> printed = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.018, order="up")
     >>> stated = MarkerGrid("tag36h11", 4, 3, marker_m=0.06, gap_m=0.018)
     >>> compare_layout(stated, [printed.draw(pixels_per_m=1000.0)[0]]).sentence

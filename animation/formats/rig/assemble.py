@@ -36,7 +36,7 @@ class SkeletalMotion:
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
-    >>> from motorcade.animation import read_motion
+    >>> from motorcade.animation.formats import read_motion
     >>> lines = [
     ...     "HIERARCHY", "ROOT hips {", "OFFSET 0 0 0", "CHANNELS 3 Xposition Yposition Zposition",
     ...     "End Site {", "OFFSET 0 100 0", "}", "}",

@@ -27,7 +27,8 @@ class Alignment:
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import handheld
-        >>> from motorcade.fusion.metrics import Alignment, alignment_of, associate
+        >>> from motorcade.fusion.metrics import alignment_of, associate
+        >>> from motorcade.fusion.metrics.poses.alignment import Alignment
         >>> from motorcade.ga import Motor
         >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
         >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
@@ -111,7 +112,8 @@ def align_heading(pairs: Pairs) -> Alignment:
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import handheld
-        >>> from motorcade.fusion.metrics import align_heading, associate
+        >>> from motorcade.fusion.metrics import associate
+        >>> from motorcade.fusion.metrics.poses.alignment import align_heading
         >>> from motorcade.ga import Motor
         >>> true = handheld(np.random.default_rng(0)).sampled(rate_hz=30.0, duration_s=2.0)
         >>> map_T_world = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 0.0])
@@ -202,7 +204,7 @@ def projected(poses: Motor, plane: Plane) -> Motor:
         ValueError: another plane.
 
     Examples:
-        >>> from motorcade.fusion.metrics import projected
+        >>> from motorcade.fusion.metrics.poses.alignment import projected
         >>> from motorcade.ga import Motor
         >>> pose = Motor.from_euler_translation([0.0, 0.0, 0.5], [1.0, 2.0, 3.0])
         >>> flat = projected(pose, "xy")
@@ -223,7 +225,7 @@ def folded(poses: Motor, plane: Plane) -> NDArray[np.bool_]:
     """Which poses ``(*)`` face backwards in the plane xz, where the projected turn is folded.
 
     Examples:
-        >>> from motorcade.fusion.metrics import folded
+        >>> from motorcade.fusion.metrics.poses.alignment import folded
         >>> from motorcade.ga import Motor, Rotor
         >>> turn = Rotor.from_rotation_vector([[0.0, 1.0, 0.0], [0.0, 2.0, 0.0]])
         >>> folded(Motor.from_rotor_translation(turn, [0.0, 0.0, 0.0]), "xz")

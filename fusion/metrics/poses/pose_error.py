@@ -18,7 +18,7 @@ def without_scale(trajectory: Trajectory) -> Trajectory:
     """The same orientations and positions as rigid poses; the metrics take no others.
 
     Examples:
-        >>> from motorcade.fusion.metrics import without_scale
+        >>> from motorcade.fusion.metrics.poses.pose_error import without_scale
         >>> from motorcade.fusion.motions import zoom
         >>> without_scale(zoom().sampled(30.0, 1.0)).motors.shape
         (31,)
@@ -51,7 +51,7 @@ class Statistics:
 
     Examples:
         >>> import numpy as np
-        >>> from motorcade.fusion.metrics import Statistics
+        >>> from motorcade.fusion.metrics.poses.pose_error import Statistics
         >>> Statistics.of(np.array([0.0, 3.0, 4.0])).median
         3.0
     """
@@ -141,7 +141,7 @@ def constant_rotation(estimate: Motor, reference: Motor) -> tuple[float, FloatAr
     Source: Moakher 2002 (means of rotations).
 
     Examples:
-        >>> from motorcade.fusion.metrics import constant_rotation
+        >>> from motorcade.fusion.metrics.poses.pose_error import constant_rotation
         >>> from motorcade.ga import Motor
         >>> true = Motor.from_euler_translation([[0.0, 0, 0], [1.0, 0, 0], [0, 0, 1.0]], [0, 0, 0])
         >>> tilted_world = Motor.from_euler_translation([0.01, 0, 0], [0, 0, 0])

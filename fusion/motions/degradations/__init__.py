@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from motorcade.fusion.motions.degradations.kinds import (
-    Blackouts,
     Degradation,
     DroppedFrames,
     Gaussian,
@@ -17,7 +16,6 @@ from motorcade.fusion.motions.degradations.kinds import (
 )
 
 __all__ = [
-    "Blackouts",
     "Degradation",
     "DroppedFrames",
     "Gaussian",

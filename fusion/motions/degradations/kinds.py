@@ -42,7 +42,8 @@ class InTurn(Degradation):
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.motions.degradations import Blackouts, Gaussian, InTurn
+        >>> from motorcade.fusion.motions.degradations import Gaussian, InTurn
+        >>> from motorcade.fusion.motions.degradations.kinds import Blackouts
         >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
         >>> both = InTurn((Gaussian(0.01, 0.02), Blackouts(length_s=1.0, every_s=4.0)))
         >>> len(true), len(both.apply(true, rng))
@@ -442,7 +443,7 @@ class Blackouts(Degradation):
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.motions.degradations import Blackouts
+        >>> from motorcade.fusion.motions.degradations.kinds import Blackouts
         >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
         >>> dark = Blackouts(length_s=1.0, every_s=4.0)
         >>> dark.spans_s(10.0)

@@ -14,7 +14,6 @@ from motorcade.fusion.smoothing.causal.kalman import (
     smoothed_states,
 )
 from motorcade.fusion.smoothing.causal.stream import (
-    CausalFilter,
     DoubleExponential,
     Exponential,
     OneEuro,
@@ -24,7 +23,6 @@ from motorcade.fusion.smoothing.causal.stream import (
 )
 
 __all__ = [
-    "CausalFilter",
     "ConstantAccelerationFilter",
     "ConstantVelocityFilter",
     "DoubleExponential",

@@ -317,7 +317,8 @@ class SmoothedStates:
 
     Examples:
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.smoothing import ConstantVelocityFilter, smoothed_states
+        >>> from motorcade.fusion.smoothing import ConstantVelocityFilter
+        >>> from motorcade.fusion.smoothing.causal import smoothed_states
         >>> found = smoothed_states(screw().sampled(30.0, 2.0), ConstantVelocityFilter())
         >>> found.rates[30, 0].round(2)  # rad/s, then m/s
         array([ 0.  , -1.  ,  0.  ,  0.  , -0.08,  0.7 ])
@@ -341,7 +342,8 @@ def smoothed_states(trajectory: Trajectory, model: KalmanFilter) -> SmoothedStat
         >>> import numpy as np
         >>> from motorcade.fusion.motions import handheld
         >>> from motorcade.fusion.motions.degradations import Gaussian
-        >>> from motorcade.fusion.smoothing import ConstantVelocityFilter, smoothed_states
+        >>> from motorcade.fusion.smoothing import ConstantVelocityFilter
+        >>> from motorcade.fusion.smoothing.causal import smoothed_states
         >>> rng = np.random.default_rng(0)
         >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
         >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)

@@ -36,7 +36,8 @@ class CausalFilter(ABC):
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import MOTIONS
-        >>> from motorcade.fusion.smoothing.causal import CausalFilter, ConstantVelocityFilter
+        >>> from motorcade.fusion.smoothing.causal import ConstantVelocityFilter
+        >>> from motorcade.fusion.smoothing.causal.stream import CausalFilter
         >>> from motorcade.fusion.smoothing.causal import OneEuro
         >>> path = MOTIONS["handheld"].sampled(rate_hz=30.0, duration_s=1.0)
         >>> def streamed(live: CausalFilter) -> list:
@@ -201,7 +202,7 @@ class Exponential(CausalFilter):
 
     Examples:
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.smoothing import Exponential
+        >>> from motorcade.fusion.smoothing.causal import Exponential
         >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
         >>> live = Exponential(cutoff_hz=2.0)
         >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):
@@ -245,7 +246,7 @@ class DoubleExponential(CausalFilter):
 
     Examples:
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.smoothing import DoubleExponential
+        >>> from motorcade.fusion.smoothing.causal import DoubleExponential
         >>> world_T_camera = screw().sampled(rate_hz=30.0, duration_s=2.0)
         >>> live = DoubleExponential(cutoff_hz=2.0)
         >>> for pose, time_ns in zip(world_T_camera.motors, world_T_camera.time_ns, strict=True):

@@ -17,12 +17,12 @@ from motorcade.animation.authoring import (
     SceneEditor,
     Snapping,
     gesture_of,
-    gestures_text,
     read_gestures,
     replay,
     scene_of,
     scene_text,
 )
+from motorcade.animation.authoring.gestures import gestures_text
 from motorcade.ga import Motor, Rotor, Similarity
 from tests.animation.authoring.made import BUSY, busy_scene, drawn_gesture
 

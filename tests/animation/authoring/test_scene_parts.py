@@ -13,13 +13,13 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from motorcade.animation.authoring import (
     Scene,
-    SceneKeyframe,
     ScenePart,
     VersorObjectPose,
     between_keyframes,
     read_scene,
     scene_of,
 )
+from motorcade.animation.authoring.parts import SceneKeyframe
 from motorcade.animation.authoring.scene_file import PART_KEYS, POSE_KEYS
 from motorcade.ga import Motor, Similarity
 

@@ -10,7 +10,6 @@ import pytest
 
 from motorcade.animation import Character, Clip, legs_of, mannequin
 from motorcade.animation.behaviour import (
-    FOLLOWS,
     Act,
     Actor,
     ClipLayer,
@@ -20,6 +19,7 @@ from motorcade.animation.behaviour import (
     gait_between,
     perform,
 )
+from motorcade.animation.behaviour.performance import FOLLOWS
 from motorcade.animation.ik import fitted_legs
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Clip
-from motorcade.animation.blend import blend_clips, closed, differences_m, split_root_motion
+from motorcade.animation.blend import blend_clips, closed, differences_m
+from motorcade.animation.blend.locomotion import split_root_motion
 from motorcade.animation.clip import MorphTrack
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Similarity

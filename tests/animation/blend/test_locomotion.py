@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Clip
-from motorcade.animation.blend import BlendSpace, RootMotion, phase_between, split_root_motion
+from motorcade.animation.blend import BlendSpace, RootMotion
+from motorcade.animation.blend.locomotion import phase_between, split_root_motion
 from motorcade.ga import Motor, Rotor, Similarity
 
 FEET = ("left_foot", "right_foot")

@@ -10,7 +10,8 @@ import pytest
 from scipy.linalg import expm, logm
 from scipy.spatial.transform import Rotation, Slerp
 
-from motorcade.animation.blend import BLEND_METHODS, blend_poses
+from motorcade.animation.blend import blend_poses
+from motorcade.animation.blend.methods import BLEND_METHODS
 from motorcade.ga import Motor, Similarity
 
 JOINTS = 9

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.animation import Skeleton, legs_of, mannequin
-from motorcade.animation.ik import Ball, Floating, Hinge, IkSolver, LookAt, PoseGoal
+from motorcade.animation.ik import Ball, Hinge, IkSolver, LookAt, PoseGoal
+from motorcade.animation.ik.chain import Floating
 from motorcade.ga import Motor, Rotor
 from tests.animation.ik.figures import chain, excess, mixed_joints, turns
 

@@ -9,7 +9,7 @@ from docs.making.figure.motions.gait import GAITS
 from docs.making.figure.motions.posing import clamped_curve, reach
 from docs.making.figure.proportions import figure_skeleton
 from motorcade.animation import Character, Clip, mannequin, skin
-from motorcade.animation.blend import split_root_motion
+from motorcade.animation.blend.locomotion import split_root_motion
 from motorcade.ga import Motor, Rotor
 
 NAMES = ("idle", "walk", "jog", "run", "wave", "turn")

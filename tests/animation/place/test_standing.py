@@ -11,7 +11,8 @@ import pytest
 from motorcade.animation import Character, Clip, legs_of, mannequin, skin
 from motorcade.animation.formats import read_character
 from motorcade.animation.ik import Leg, fitted_legs
-from motorcade.animation.place import on_its_soles, standing_height_m
+from motorcade.animation.place import on_its_soles
+from motorcade.animation.place.anchors import standing_height_m
 from motorcade.ga import Motor, Rotor
 from tests.animation.formats.gltf_vertices import GltfVertices
 

@@ -32,7 +32,7 @@ other = (pair - length)/(einf . pair);
 _CODE = """
 import json, sys, time
 import casadi
-from motorcade.ga.codegen import compile_script
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.passes.stats import count_operations
 from motorcade.ga.script import parse
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from motorcade.ga import CGA3, Motor, Multivector, kernels
 from motorcade.ga.arrays import FloatArray
-from motorcade.ga.codegen import CompiledFunction, compile_function
+from motorcade.ga.codegen.functions import CompiledFunction, compile_function
 from motorcade.ga.codegen.generate import read_script
 from motorcade.ga.codegen.programs import compile_script
 from tests.bench.timing import median_seconds, on_one_core, seconds_a_call

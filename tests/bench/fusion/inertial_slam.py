@@ -19,12 +19,9 @@ import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.metrics import evaluate
-from motorcade.fusion.visual_inertial import (
-    InertialFrame,
-    InertialSlam,
-    InertialSlamResult,
-    fuse_map,
-)
+from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult
+from motorcade.fusion.visual_inertial.online import InertialFrame
+from motorcade.fusion.visual_inertial.sequence import fuse_map
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.slam import VisualSlam
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu

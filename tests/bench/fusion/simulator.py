@@ -15,7 +15,8 @@ from motorcade.fusion.imu import (
     estimate_noise,
     simulate_imu,
 )
-from motorcade.fusion.motions import MOTIONS, Factor, Motion, Polynomial
+from motorcade.fusion.motions import MOTIONS, Factor, Motion
+from motorcade.fusion.motions.motion import Polynomial
 from motorcade.fusion.preintegration import preintegrate
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

@@ -13,7 +13,7 @@ from typing import Any
 
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.metrics import evaluate
-from motorcade.fusion.visual_inertial import fuse_map
+from motorcade.fusion.visual_inertial.sequence import fuse_map
 from motorcade.tracking.slam import VisualSlam
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu
 from tests.textured_room.scenarios import Scenario, scenario

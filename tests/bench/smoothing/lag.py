@@ -23,8 +23,9 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smoothing import Exponential, OneEuro, smooth
-from motorcade.fusion.smoothing.causal import CausalFilter
+from motorcade.fusion.smoothing import OneEuro, smooth
+from motorcade.fusion.smoothing.causal import Exponential
+from motorcade.fusion.smoothing.causal.stream import CausalFilter
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 

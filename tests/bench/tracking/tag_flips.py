@@ -25,13 +25,12 @@ from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.readers.tagslam.recording import TagSlamReference, read_reference
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
-    FixedLagResolver,
     MarkerObservations,
-    Resolution,
     best_single,
     pose_stream,
     resolve,
 )
+from motorcade.tracking.markers.disambiguate.resolving import FixedLagResolver, Resolution
 from tests.bench.data import data_folder
 
 __all__ = [

@@ -21,11 +21,11 @@ from motorcade.tracking import Camera, detect_markers
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
     MarkerObservations,
-    Resolution,
     best_single,
     pose_stream,
     resolve,
 )
+from motorcade.tracking.markers.disambiguate.resolving import Resolution
 from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
     joined_frames,

@@ -27,13 +27,13 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface, render_overlay
 from motorcade.render.backends.choice import new_renderer
 from motorcade.render.backends.renderer import Renderer
-from motorcade.render.light import (
+from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
     estimate_light,
-    estimated_lighting,
     shaded_points,
 )
+from motorcade.render.light.lamps import estimated_lighting
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.video import contact_sheet

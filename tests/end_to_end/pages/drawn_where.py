@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.animation import Character, Skinner, read_character
+from motorcade.animation import Character, read_character
+from motorcade.animation.skin import Skinner
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer

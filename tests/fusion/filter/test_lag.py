@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter import FilterSettings, PoseFilter, fuse
-from motorcade.fusion.measurements import VelocityMeasurements
+from motorcade.fusion.measurements.positions import VelocityMeasurements
 from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements

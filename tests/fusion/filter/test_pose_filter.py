@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from motorcade.fusion.filter import FilterSettings, PoseFilter, RestDetection, fuse
+from motorcade.fusion.filter import FilterSettings, PoseFilter, fuse
 from motorcade.fusion.filter.extended_pose import corrected, extended_pose
+from motorcade.fusion.filter.settings import RestDetection
 from motorcade.fusion.imu import ADIS16448, ImuStream
-from motorcade.fusion.measurements import PositionMeasurements, VelocityMeasurements
+from motorcade.fusion.measurements import PositionMeasurements
+from motorcade.fusion.measurements.positions import VelocityMeasurements
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera

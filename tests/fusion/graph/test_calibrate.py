@@ -11,11 +11,16 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter import FilterSettings
-from motorcade.fusion.graph import GraphCalibration, calibrate_by_graph, fuse_by_graph
-from motorcade.fusion.graph.calibrate import corrected, corrections
+from motorcade.fusion.graph import fuse_by_graph
+from motorcade.fusion.graph.calibrate import (
+    GraphCalibration,
+    calibrate_by_graph,
+    corrected,
+    corrections,
+)
 from motorcade.fusion.imu import ADIS16448, ImuStream
-from motorcade.fusion.measurements import CornerMeasurements, PredictedState, numerical_jacobian
-from motorcade.fusion.measurements.poses import with_intrinsics
+from motorcade.fusion.measurements.interface import PredictedState, numerical_jacobian
+from motorcade.fusion.measurements.poses import CornerMeasurements, with_intrinsics
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.cameras.camera import Camera

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.fusion.filter import FilterSettings, Fused, RestDetection, fuse
+from motorcade.fusion.filter import FilterSettings, Fused, fuse
+from motorcade.fusion.filter.settings import RestDetection
 from motorcade.fusion.graph import fuse_by_graph
 from motorcade.fusion.graph.inertial import InertialGraph, as_pose
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu

@@ -10,11 +10,10 @@ from motorcade.fusion.imu import (
     ContinuousPath,
     ImuNoise,
     ImuStream,
-    allan_deviation,
     estimate_noise,
     simulate_imu,
 )
-from motorcade.fusion.imu.allan import fitted_noise
+from motorcade.fusion.imu.allan import allan_deviation, fitted_noise
 from motorcade.fusion.imu.screening import refuse_movement
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.motion import Factor, Motion, Polynomial

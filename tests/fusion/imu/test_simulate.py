@@ -6,14 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from motorcade.fusion.imu import (
-    ADIS16448,
-    ContinuousPath,
-    ImuFaults,
-    ImuNoise,
-    SimulatedImu,
-    simulate_imu,
-)
+from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuFaults, ImuNoise, simulate_imu
+from motorcade.fusion.imu.simulate import SimulatedImu
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray

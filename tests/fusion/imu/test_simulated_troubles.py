@@ -15,14 +15,15 @@ from motorcade.fusion.imu import (
     ImuFaults,
     ImuNoise,
     ImuStream,
-    SimulatedImu,
     VibrationSpectrum,
-    allan_deviation,
     simulate,
     simulate_imu,
     simulate_imu_in_chunks,
 )
-from motorcade.fusion.motions import MOTIONS, Factor, Motion, Polynomial
+from motorcade.fusion.imu.allan import allan_deviation
+from motorcade.fusion.imu.simulate import SimulatedImu
+from motorcade.fusion.motions import MOTIONS, Factor, Motion
+from motorcade.fusion.motions.motion import Polynomial
 from motorcade.ga import Motor, Trajectory
 from motorcade.replays.io.imu import read_imu
 
@@ -217,7 +218,7 @@ def test_warming_moves_bias_and_scale():
 
 def test_the_filter_lets_through_what_a_butterworth_does():
     """A swing of 8 Hz, in size and phase, against the analogue filter's response."""
-    from motorcade.fusion.motions import Sines
+    from motorcade.fusion.motions.motion import Sines
 
     swing = Motion((Factor([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], Sines.single(0.1, 8.0)),), Motor)
     path = ContinuousPath.along(swing, 10.0)

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from motorcade.fusion.measurements import (
-    AltitudeMeasurements,
-    BodyPoseMeasurements,
-    BodyVelocityMeasurements,
-    HeadingMeasurements,
-    MagneticFieldMeasurements,
     Measurements,
     PositionMeasurements,
     RelativePoseMeasurements,
+)
+from motorcade.fusion.measurements.poses import BodyPoseMeasurements
+from motorcade.fusion.measurements.positions import (
+    AltitudeMeasurements,
+    BodyVelocityMeasurements,
+    HeadingMeasurements,
+    MagneticFieldMeasurements,
     VelocityMeasurements,
 )
 from motorcade.ga import Motor, Rotor

@@ -14,7 +14,7 @@ import pytest
 
 from motorcade.fusion import ADIS16448, ContinuousPath, fuse, simulate_imu
 from motorcade.fusion.filter import Fused
-from motorcade.fusion.measurements import AltitudeMeasurements
+from motorcade.fusion.measurements.positions import AltitudeMeasurements
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray

@@ -11,15 +11,13 @@ import pytest
 
 from motorcade.fusion.filter import FilterSettings, PoseFilter, fuse
 from motorcade.fusion.measurements import (
-    AltitudeMeasurements,
     Measurements,
     PositionMeasurements,
-    PredictedState,
     RelativePoseMeasurements,
-    VelocityMeasurements,
     jacobian_error,
-    numerical_jacobian,
 )
+from motorcade.fusion.measurements.interface import PredictedState, numerical_jacobian
+from motorcade.fusion.measurements.positions import AltitudeMeasurements, VelocityMeasurements
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.measurements import PoseMeasurements

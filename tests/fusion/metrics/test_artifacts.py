@@ -12,14 +12,14 @@ from motorcade.fusion.metrics import (
     NotObservableError,
     frame_change_defect,
     gimbal_index,
-    path_over_geodesic,
     position_overshoot_m,
     rotation_overshoot_rad,
-    rotation_path_rad,
     seconds_per_pose,
 )
-from motorcade.fusion.motions import MOTIONS, Factor, Motion, Stops
+from motorcade.fusion.metrics.artifacts import path_over_geodesic, rotation_path_rad
+from motorcade.fusion.motions import MOTIONS, Factor, Motion
 from motorcade.fusion.motions.degradations import Gaussian, Latency
+from motorcade.fusion.motions.motion import Stops
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Rotor, Trajectory
 

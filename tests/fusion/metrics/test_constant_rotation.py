@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from motorcade.fusion.metrics import constant_rotation, evaluate
+from motorcade.fusion.metrics import evaluate
+from motorcade.fusion.metrics.poses.pose_error import constant_rotation
 from motorcade.fusion.motions import handheld
 from motorcade.ga import Motor, Rotor, Trajectory
 

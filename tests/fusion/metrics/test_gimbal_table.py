@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from motorcade.fusion.metrics import gimbal_index, path_over_geodesic
+from motorcade.fusion.metrics import gimbal_index
+from motorcade.fusion.metrics.artifacts import path_over_geodesic
 from motorcade.fusion.motions import gimbal_crossing
 from motorcade.ga import Motor, Rotor, Trajectory
 

@@ -24,8 +24,8 @@ from motorcade.fusion.metrics import (
     rotation_overshoot_rad,
     rotation_rad,
     tilt_rad,
-    without_scale,
 )
+from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory

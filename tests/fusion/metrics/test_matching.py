@@ -15,12 +15,11 @@ from motorcade.fusion.metrics import (
     associate,
     cropped,
     evaluate_matched,
-    folded,
     match,
-    projected,
     relative_errors,
 )
 from motorcade.fusion.metrics.poses import relations
+from motorcade.fusion.metrics.poses.alignment import folded, projected
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory

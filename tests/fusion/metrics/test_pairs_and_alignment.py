@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.metrics import (
-    Alignment,
-    Pairs,
-    Statistics,
     absolute_translation_m,
     align,
     alignment_of,
@@ -16,6 +13,8 @@ from motorcade.fusion.metrics import (
     evaluate,
     relative_errors,
 )
+from motorcade.fusion.metrics.poses.alignment import Alignment, Pairs
+from motorcade.fusion.metrics.poses.pose_error import Statistics
 from motorcade.ga import Motor, Rotor, Trajectory
 
 MS = 1_000_000

@@ -8,12 +8,15 @@ import pytest
 from motorcade.fusion.metrics import (
     NotObservableError,
     gimbal_index,
-    path_over_geodesic,
     position_overshoot_m,
-    rotation_path_rad,
     seconds_per_pose,
 )
-from motorcade.fusion.metrics.artifacts import stops, winding_count
+from motorcade.fusion.metrics.artifacts import (
+    path_over_geodesic,
+    rotation_path_rad,
+    stops,
+    winding_count,
+)
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor, Rotor, Trajectory
 

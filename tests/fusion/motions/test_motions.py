@@ -6,16 +6,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from motorcade.fusion.motions import (
-    MOTIONS,
-    Factor,
-    Motion,
-    Polynomial,
-    Sines,
-    Stops,
-    gimbal_crossing,
-    handheld,
-)
+from motorcade.fusion.motions import MOTIONS, Factor, Motion, gimbal_crossing, handheld
+from motorcade.fusion.motions.motion import Polynomial, Sines, Stops
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.motion import sampled_motion
 

@@ -7,14 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from motorcade.fusion.imu import (
-    ADIS16448,
-    ContinuousPath,
-    ImuFaults,
-    ImuStream,
-    SimulatedImu,
-    simulate_imu,
-)
+from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuFaults, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import SimulatedImu
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.orientation import (
     OrientationFilter,

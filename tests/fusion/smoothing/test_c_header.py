@@ -12,12 +12,8 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.motions import MOTIONS, screw
-from motorcade.fusion.smoothing import (
-    ConstantAccelerationFilter,
-    ConstantVelocityFilter,
-    OneEuro,
-    smoothed_states,
-)
+from motorcade.fusion.smoothing import ConstantAccelerationFilter, ConstantVelocityFilter, OneEuro
+from motorcade.fusion.smoothing.causal import smoothed_states
 from motorcade.fusion.smoothing.header import get_include, header_text
 from motorcade.ga import Motor, Trajectory
 from tests.fusion.smoothing.c_header import Header, compiled

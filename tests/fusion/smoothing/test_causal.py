@@ -13,12 +13,11 @@ from motorcade.fusion.smoothing import (
     REPRESENTATIONS,
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
-    DoubleExponential,
-    Exponential,
     OneEuro,
     smooth,
 )
-from motorcade.fusion.smoothing.causal import CausalFilter
+from motorcade.fusion.smoothing.causal import DoubleExponential, Exponential
+from motorcade.fusion.smoothing.causal.stream import CausalFilter
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 

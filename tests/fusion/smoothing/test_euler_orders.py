@@ -7,14 +7,9 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
-from motorcade.fusion.smoothing import (
-    ConstantVelocityFilter,
-    Exponential,
-    estimate_path,
-    smooth,
-    smoothed_automatically,
-    smoothed_states,
-)
+from motorcade.fusion.smoothing import ConstantVelocityFilter, smooth, smoothed_automatically
+from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.causal import Exponential, smoothed_states
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.fusion.smoothing.representations import (
     EULER_ORDERS,

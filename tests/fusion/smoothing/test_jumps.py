@@ -8,7 +8,8 @@ import pytest
 
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers
-from motorcade.fusion.smoothing import REPRESENTATIONS, AutomaticPath, smoothed_automatically
+from motorcade.fusion.smoothing import REPRESENTATIONS, smoothed_automatically
+from motorcade.fusion.smoothing.auto import AutomaticPath
 from motorcade.fusion.smoothing.batch.per_axis import chosen_models
 from motorcade.fusion.smoothing.batch.start import PathStart, first_path
 from motorcade.ga import Motor, Trajectory

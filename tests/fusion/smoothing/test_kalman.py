@@ -15,9 +15,8 @@ from motorcade.fusion.smoothing import (
     ConstantAccelerationFilter,
     ConstantVelocityFilter,
     smooth,
-    smoothed_states,
 )
-from motorcade.fusion.smoothing.causal import KalmanFilter
+from motorcade.fusion.smoothing.causal import KalmanFilter, smoothed_states
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 

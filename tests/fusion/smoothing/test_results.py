@@ -15,9 +15,9 @@ from motorcade.fusion.smoothing import (
     LiveSmoother,
     SmoothingResult,
     smooth,
-    smoothed_states,
 )
 from motorcade.fusion.smoothing.auto import smoothed_automatically
+from motorcade.fusion.smoothing.causal import smoothed_states
 from motorcade.fusion.smoothing.results import _covariance
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray

@@ -10,12 +10,10 @@ import pytest
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.visual_inertial import (
-    InertialAdjuster,
-    LandmarkObservations,
-    adjust_visual_inertial,
-)
+from motorcade.fusion.visual_inertial import adjust_visual_inertial
 from motorcade.fusion.visual_inertial.readout import Readout, checked_readout
+from motorcade.fusion.visual_inertial.tight import LandmarkObservations
+from motorcade.fusion.visual_inertial.window import InertialAdjuster
 from motorcade.ga import Trajectory
 from motorcade.tracking import Camera
 from motorcade.tracking.slam.mapping.adjustment import Bundle

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.fusion.imu import ADIS16448, ImuStream, SimulatedImu, simulate_imu
-from motorcade.fusion.imu.simulate import simulate_camera_poses
+from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
+from motorcade.fusion.imu.simulate import SimulatedImu, simulate_camera_poses
 from motorcade.fusion.imu.stream import upright
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.sync import alignment, synchronise
-from motorcade.fusion.visual_inertial import InertialStart, start_inertial
-from motorcade.fusion.visual_inertial.start import linear_start
+from motorcade.fusion.visual_inertial import start_inertial
+from motorcade.fusion.visual_inertial.start import InertialStart, linear_start
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.tracking.measurements import PoseMeasurements
 

@@ -11,18 +11,14 @@ from motorcade.fusion.filter import fuse
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.visual_inertial import (
-    LandmarkObservations,
-    VisualInertial,
-    adjust_visual_inertial,
-    fuse_map,
-    start_inertial,
-)
-from motorcade.fusion.visual_inertial.sequence import measured_in_map
+from motorcade.fusion.visual_inertial import adjust_visual_inertial, start_inertial
+from motorcade.fusion.visual_inertial.sequence import fuse_map, measured_in_map
+from motorcade.fusion.visual_inertial.tight import LandmarkObservations, VisualInertial
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking import Camera, PoseMeasurements
-from motorcade.tracking.slam import SlamHistory, SlamResult, SlamState
+from motorcade.tracking.frame_history import SlamState
+from motorcade.tracking.slam import SlamHistory, SlamResult
 from motorcade.tracking.slam.mapping.map import MapSnapshot
 
 IMU_T_CAMERA = Motor.from_euler_translation(

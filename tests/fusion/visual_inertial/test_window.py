@@ -12,13 +12,15 @@ import pytest
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
-from motorcade.fusion.visual_inertial import (
+from motorcade.fusion.visual_inertial import InertialSlam, online
+from motorcade.fusion.visual_inertial.window import (
+    GrowingImu,
     InertialAdjuster,
-    InertialSlam,
     KeyframeMotion,
-    online,
+    _chained,
+    _Problem,
+    _State,
 )
-from motorcade.fusion.visual_inertial.window import GrowingImu, _chained, _Problem, _State
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.slam import SlamFrame, SlamSettings, VisualSlam

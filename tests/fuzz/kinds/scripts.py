@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script import Script, ScriptError, ScriptWarning, evaluate, parse
+from motorcade.ga.script import Script, ScriptError, evaluate, parse
 from motorcade.ga.script.algebras import definitions
+from motorcade.ga.script.errors import ScriptWarning
 from motorcade.ga.script.functions import FUNCTIONS
 from motorcade.ga.script.meaning import algebra_of, free_variables
 from tests.fuzz.runner import Feed

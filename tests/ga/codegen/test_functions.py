@@ -10,7 +10,9 @@ pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is
 from motorcade.ga import Motor
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Multivector
 from motorcade.ga.algebra.conformal import of_versor
-from motorcade.ga.codegen import CompiledFunction, compile_function, compile_script, program
+from motorcade.ga.codegen import program
+from motorcade.ga.codegen.functions import CompiledFunction, compile_function
+from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.script import parse
 
 ROTOR = "1 e2^e3 e3^e1 e1^e2"

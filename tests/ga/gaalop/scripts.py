@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.algebra import Algebra
-from motorcade.ga.script import Script, ScriptWarning, evaluate, parse
+from motorcade.ga.script import Script, evaluate, parse
+from motorcade.ga.script.errors import ScriptWarning
 from motorcade.ga.script.meaning import algebra_named, free_variables
 
 # Coefficients by blade, of each output.

@@ -246,7 +246,7 @@ LARGE = {
 @pytest.mark.parametrize("name", LARGE)
 def test_code_of_large_algebras_computes_what_evaluation_does(name: str) -> None:
     pytest.importorskip("casadi")
-    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.programs import compile_script
     from motorcade.ga.codegen.tape import run_tape
 
     read = parse(f"#pragma algebra {name}\n{LARGE[name]}")
@@ -263,7 +263,7 @@ def test_code_of_large_algebras_computes_what_evaluation_does(name: str) -> None
 
 def test_a_table_of_sixteen_dimensions_is_refused() -> None:
     pytest.importorskip("casadi")
-    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.programs import compile_script
     from motorcade.ga.codegen.strategies import table
 
     read = parse("#pragma algebra ccga\n?x = createPoint(a, b, 0);")

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga.script import ScriptError, ScriptWarning, evaluate, parse
+from motorcade.ga.script import ScriptError, evaluate, parse
+from motorcade.ga.script.errors import ScriptWarning
 
 
 def values(text: str, **given: object) -> dict[str, dict[str, object]]:
@@ -89,7 +90,7 @@ def test_what_hangs_on_a_batch_is_refused(text: str, message: str) -> None:
 
 def test_generated_code_chooses_as_evaluation_does() -> None:
     pytest.importorskip("casadi")
-    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.programs import compile_script
     from motorcade.ga.codegen.tape import run_tape
 
     tape = compile_script(parse(SIDES), "sides").tape
@@ -104,7 +105,7 @@ def test_generated_code_chooses_as_evaluation_does() -> None:
 def test_strategies_write_branches_that_cannot_be_taken() -> None:
     """One of them sees by itself that 1/d is never below 1/d, the program does not."""
     pytest.importorskip("casadi")
-    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.programs import compile_script
     from motorcade.ga.codegen.strategies import product, table
 
     script = parse("if (1/d < 1/d) { v = e1; } else v = d; ?v;")
@@ -170,7 +171,7 @@ def test_pragmas_order_inputs_and_outputs() -> None:
     made = values(text, a=1.0, b=2.0)
     assert {name: x["1"] for name, x in made.items()} == {"y": 2.0, "x": 1.0, "z": 2.0}
     pytest.importorskip("casadi")
-    from motorcade.ga.codegen import compile_script
+    from motorcade.ga.codegen.programs import compile_script
 
     tape = compile_script(parse(text), "ordered").tape
     assert [operand.name for operand in tape.inputs] == ["b", "unread", "a"]

@@ -8,7 +8,8 @@ import warnings
 import numpy as np
 import pytest
 
-from motorcade.ga.script import ScriptError, ScriptWarning, evaluate, parse
+from motorcade.ga.script import ScriptError, evaluate, parse
+from motorcade.ga.script.errors import ScriptWarning
 
 PLANETS = """
 _DoAnimate = 1; // drawn anew all the time

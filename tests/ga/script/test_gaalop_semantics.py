@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga.algebra import Multivector
-from motorcade.ga.script import ScriptWarning, evaluate, parse
+from motorcade.ga.script import evaluate, parse
+from motorcade.ga.script.errors import ScriptWarning
 
 
 def coefficients(x: Multivector) -> dict[str, float]:

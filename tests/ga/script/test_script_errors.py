@@ -12,8 +12,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from motorcade.ga.script import ScriptError, ScriptWarning, evaluate, parse
-from motorcade.ga.script.errors import Place, Source
+from motorcade.ga.script import ScriptError, evaluate, parse
+from motorcade.ga.script.errors import Place, ScriptWarning, Source
 from motorcade.ga.script.meaning import algebra_named, algebra_of
 from motorcade.ga.script.reading import syntax
 

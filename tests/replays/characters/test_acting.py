@@ -7,7 +7,7 @@ import pytest
 
 from motorcade.animation import Character, Clip, legs_of, mannequin, place_on_plane
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.place import standing_height_m
+from motorcade.animation.place.anchors import standing_height_m
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.stages.characters.acting import IDLE_HZ, character_named, performers, walked

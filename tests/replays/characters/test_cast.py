@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 import pytest
 
-from motorcade.animation import mannequin, read_motion
+from motorcade.animation import mannequin
 from motorcade.animation.behaviour import LookTarget
+from motorcade.animation.formats import read_motion
 from motorcade.ga import Motor
 from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest.cast import read_cast

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.fusion.metrics import Statistics
+from motorcade.fusion.metrics.poses.pose_error import Statistics
 from motorcade.replays.cli import main
 
 pytest.importorskip("evo")

@@ -10,9 +10,17 @@ from motorcade.ga import Motor
 from motorcade.render import RenderUnavailable
 from motorcade.render.backends import platform
 from motorcade.replays import demo as synthetic_room
-from motorcade.replays.demo import CAMERA, FRAMES, IMU_T_CAMERA, exposed, write_recording
+from motorcade.replays.demo import write_recording
 from motorcade.replays.demo.furniture import BOARD, world_T_board
-from motorcade.replays.demo.recording import BETWEEN_POLES_S, FIRST_POLE_S, HandheldPath
+from motorcade.replays.demo.recording import (
+    BETWEEN_POLES_S,
+    CAMERA,
+    FIRST_POLE_S,
+    FRAMES,
+    IMU_T_CAMERA,
+    HandheldPath,
+    exposed,
+)
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 

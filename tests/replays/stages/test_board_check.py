@@ -14,7 +14,8 @@ from motorcade.replays.stages.camera.board_poses import warn_of_size
 from motorcade.tracking import BoardTrack, Camera, CharucoBoard, Checkerboard, PoseMeasurements
 from motorcade.tracking.audit import AuditFinding
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.targets import checkerboard_seen, compare_layout
+from motorcade.tracking.targets.chessboards import checkerboard_seen
+from motorcade.tracking.targets.stated import compare_layout
 from tests.replays.stages.stamps import Stamps
 
 PRINTED = Checkerboard(9, 6, 0.03)

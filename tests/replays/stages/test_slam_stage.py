@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ImuStream
-from motorcade.fusion.visual_inertial import InertialSlamResult, InertialStart
+from motorcade.fusion.visual_inertial import InertialSlamResult
+from motorcade.fusion.visual_inertial.start import InertialStart
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording

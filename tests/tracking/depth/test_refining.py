@@ -10,12 +10,13 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking import Camera, MapSnapshot
-from motorcade.tracking.depth import DepthCamera, focal_factor, refine_by_depth
+from motorcade.tracking.depth import DepthCamera, focal_factor
 from motorcade.tracking.depth.refine import (
     CamerasPrior,
     _Problem,
     adjust_rgbd,
     plane_distance_m,
+    refine_by_depth,
 )
 from motorcade.tracking.depth.residuals import GLOBALS, DepthSurfaces, Matches, RgbdState
 from motorcade.tracking.slam.geometry import parallax_rad

@@ -9,7 +9,8 @@ import pytest
 
 from motorcade.ga import Motor
 from motorcade.tracking import Camera
-from motorcade.tracking.depth import DepthCamera, edge_offset, register_depth
+from motorcade.tracking.depth import DepthCamera, register_depth
+from motorcade.tracking.depth.cameras import edge_offset
 from tests.textured_room.renderer import Renderer, Sensor, View
 from tests.textured_room.scenarios import scenario
 from tests.textured_room.scene import furnished_room

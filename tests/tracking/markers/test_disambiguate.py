@@ -9,15 +9,16 @@ import pytest
 from motorcade.ga import Motor, Rotor
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import (
-    FixedLagResolver,
     MarkerObservations,
-    Resolution,
     best_single,
+    pose_stream,
+    resolve,
+)
+from motorcade.tracking.markers.disambiguate.resolving import FixedLagResolver, Resolution
+from motorcade.tracking.markers.disambiguate.states import (
     chain_probabilities,
     forward_messages,
     most_probable,
-    pose_stream,
-    resolve,
 )
 from tests.bench.tracking.tag_flips import resolve_online
 

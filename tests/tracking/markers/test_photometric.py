@@ -11,7 +11,6 @@ from motorcade.tracking.markers.photometric import (
     PhotometricUnavailable,
     joined_frames,
     refine_frame,
-    refine_photometric,
 )
 from motorcade.tracking.markers.photometric.prints import (
     blurred,
@@ -21,6 +20,7 @@ from motorcade.tracking.markers.photometric.prints import (
     rectified,
     require,
 )
+from motorcade.tracking.markers.photometric.refine import refine_photometric
 from tests.bench.tracking.tag_scene import TagScene, handheld_path, wall_of_markers
 
 torch = pytest.importorskip("torch", reason="photometric refinement needs torch and kornia")

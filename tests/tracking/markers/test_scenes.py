@@ -18,13 +18,13 @@ from motorcade.tracking.markers.scenes import (
     CornerCoordinate,
     CornerDistance,
     FixedMarker,
-    MappedScene,
     MarkerBody,
     MarkerScene,
     StatedPose,
     map_scene,
 )
 from motorcade.tracking.markers.scenes.estimate import hand_eye, odometry_finding
+from motorcade.tracking.markers.scenes.mapped import MappedScene
 
 CAMERA = Camera(640, 480, 420.0, 420.0, 319.5, 239.5)
 FRAMES, RATE_HZ = 60, 10.0

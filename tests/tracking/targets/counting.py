@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.targets import checkerboard_seen
+from motorcade.tracking.targets.chessboards import checkerboard_seen
 
 SQUARE = 32
 PAPER, INK, TABLE = 215, 35, 120

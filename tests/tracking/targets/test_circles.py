@@ -4,8 +4,7 @@ import pytest
 
 from motorcade.tracking import Board, Checkerboard
 from motorcade.tracking.boards import CircleGrid
-from motorcade.tracking.targets import compare_layout
-from motorcade.tracking.targets.stated import circles_seen
+from motorcade.tracking.targets.stated import circles_seen, compare_layout
 
 EVEN = CircleGrid(7, 5, 0.03, 0.016)
 SHIFTED = CircleGrid(4, 9, 0.02, 0.015, asymmetric=True)

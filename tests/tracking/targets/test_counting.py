@@ -2,7 +2,7 @@
 
 import pytest
 
-from motorcade.tracking.targets import checkerboard_seen
+from motorcade.tracking.targets.chessboards import checkerboard_seen
 from tests.tracking.targets.counting import BOARDS, TEXTURES, count_drawn, drawn_scene
 
 

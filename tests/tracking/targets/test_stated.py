@@ -18,8 +18,9 @@ from motorcade.tracking import (
     TrackingError,
     track_board,
 )
-from motorcade.tracking.targets import SeenMarkers, compare_layout, find_target, layout_fits
-from motorcade.tracking.targets.stated import name_target
+from motorcade.tracking.targets import SeenMarkers, find_target
+from motorcade.tracking.targets.layouts import layout_fits
+from motorcade.tracking.targets.stated import compare_layout, name_target
 
 GRID = MarkerGrid("tag36h11", 4, 3, 0.06, 0.018, first_id=5)
 CHARUCO = CharucoBoard("aruco_5x5_50", 7, 6, 0.04, 0.028)

@@ -14,13 +14,10 @@ from motorcade.tracking import (
     MarkerGrid,
     SingleMarker,
 )
-from motorcade.tracking.targets import (
-    SeenMarkers,
-    board_of_markers,
-    checkerboard_seen,
-    families_seen,
-    find_target,
-)
+from motorcade.tracking.targets import SeenMarkers, find_target
+from motorcade.tracking.targets.chessboards import checkerboard_seen
+from motorcade.tracking.targets.families import families_seen
+from motorcade.tracking.targets.layouts import board_of_markers
 
 VIEWS = [(0.0, 0.0, 0.0), (25.0, 0.0, 5.0), (30.0, 120.0, -20.0), (20.0, 240.0, 90.0)]
 BOARDS: list[Board] = [

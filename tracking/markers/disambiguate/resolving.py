@@ -241,7 +241,8 @@ class Resolution:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.tracking.markers.disambiguate import Resolution, MarkerObservations
+    >>> from motorcade.tracking.markers.disambiguate import MarkerObservations
+    >>> from motorcade.tracking.markers.disambiguate.resolving import Resolution
     >>> two = Motor.from_euler_translation([[3, 0.2, 0], [3, -0.2, 0]], [[0, 0, 0.6]] * 2)
     >>> seen = MarkerObservations([0, 50_000_000], [0, 1], [7, 7], Motor.stack([two, two]),
     ...     [[0.2, 0.9], [0.3, 0.4]], np.broadcast_to(1e-4 * np.eye(3), (2, 2, 3, 3)))
@@ -363,7 +364,8 @@ class FixedLagResolver:
     >>> from motorcade.ga import Motor, Rotor
     >>> from motorcade.tracking import Camera
     >>> from motorcade.tracking.markers.corner_stream import CornerStream
-    >>> from motorcade.tracking.markers.disambiguate import FixedLagResolver, pose_stream
+    >>> from motorcade.tracking.markers.disambiguate import pose_stream
+    >>> from motorcade.tracking.markers.disambiguate.resolving import FixedLagResolver
     >>> from motorcade.tracking.markers.families import marker_points_m
     >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
     >>> turn = Rotor.from_rotation_vector([np.pi - 0.5, 0.0, 0.0])

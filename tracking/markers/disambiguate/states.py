@@ -40,7 +40,7 @@ def most_probable(first: FloatArray, unary: FloatArray, steps: FloatArray) -> In
         ValueError: shapes that do not agree.
 
     >>> import numpy as np
-    >>> from motorcade.tracking.markers.disambiguate import most_probable
+    >>> from motorcade.tracking.markers.disambiguate.states import most_probable
     >>> against = np.array([[0.0, 3.0], [1.0, 0.5], [0.0, 3.0]])  # three steps, two states
     >>> change = np.array([[0.0, 2.0], [2.0, 0.0]])
     >>> most_probable(np.zeros(2), against, np.stack([change, change]))

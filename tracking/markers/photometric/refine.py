@@ -86,7 +86,7 @@ class PhotometricPoses:
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
-    >>> from motorcade.tracking.markers.photometric import PhotometricPoses
+    >>> from motorcade.tracking.markers.photometric.refine import PhotometricPoses
     >>> refined = PhotometricPoses(Motor.identity((1, 2)), mismatch=np.array([[0.04, 0.31]]),
     ...     refined=np.array([[True, True]]), pixels=np.array([2500.0]))
     >>> refined.mismatch.argmin(axis=1)  # the first candidate explains the print

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from motorcade.tracking.markers.scenes.estimate import map_scene
-from motorcade.tracking.markers.scenes.mapped import MappedScene, ScenePath
 from motorcade.tracking.markers.scenes.scene import (
     BodyOdometry,
     CornerCoordinate,
@@ -19,10 +18,8 @@ __all__ = [
     "CornerCoordinate",
     "CornerDistance",
     "FixedMarker",
-    "MappedScene",
     "MarkerBody",
     "MarkerScene",
-    "ScenePath",
     "StatedPose",
     "map_scene",
 ]

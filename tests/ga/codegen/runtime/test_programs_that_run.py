@@ -12,7 +12,8 @@ import pytest
 
 from motorcade.ga import CGA3, EGA3, Motor, Multivector, kernels
 from motorcade.ga import compile as compile_program
-from motorcade.ga.codegen import CompiledFunction, compile_function, program
+from motorcade.ga.codegen import program
+from motorcade.ga.codegen.functions import CompiledFunction, compile_function
 from motorcade.ga.codegen.precision import PRECISIONS
 from motorcade.ga.codegen.runtime.by_numpy import NumpyProgram, plain_tape
 from motorcade.ga.script import evaluate, parse

@@ -118,7 +118,8 @@ def test_functions_are_compiled_without_casadi(tmp_path: Path) -> None:
         """
 import numpy as np
 from motorcade.ga import CGA3, compile
-from motorcade.ga.codegen import compile_function, program
+from motorcade.ga.codegen import program
+from motorcade.ga.codegen.functions import compile_function
 motor = "1 e2^e3 e3^e1 e1^e2 e1^einf e2^einf e3^einf e1^e2^e3^einf"
 
 @program(point="e1 e2 e3 e0 einf", motor=motor)
