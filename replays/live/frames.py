@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import IntArray
 from motorcade.render.video import MAX_PIXELS
 from motorcade.replays.io.recording import Recording
+from motorcade.replays.live.inertial import ImuSample
 from motorcade.tracking.checks import GrayImage
 
 _DEVICE = "/dev/video"
@@ -45,6 +46,7 @@ class LiveFrame:
         time_ns: its stamp on the source's clock; later frames have later stamps.
         image: ``(height, width)`` grey or ``(height, width, 3)`` RGB, uint8.
         captured_s: when it was taken, or came here, on `time.monotonic`'s clock.
+        imu: readings that came since the frame before.
 
     >>> import numpy as np
     >>> from motorcade.replays.live import LiveFrame
@@ -55,6 +57,7 @@ class LiveFrame:
     time_ns: int
     image: NDArray[np.uint8]
     captured_s: float = field(default_factory=time.monotonic)
+    imu: tuple[ImuSample, ...] = ()
 
     @cached_property
     def gray(self) -> GrayImage:
@@ -146,6 +149,7 @@ def paced(
     It waits for nobody, as no camera does: of those that are overdue the newest comes.
     """
     stamps: IntArray = recording.frames.time_ns
+    readings = _readings(recording)
     began_s = clock()
     due_s = began_s + 1e-9 * (stamps - stamps[0])
     index = 0
@@ -153,8 +157,21 @@ def paced(
         image = recording.frames[index].image()
         if (wait_s := float(due_s[index]) - clock()) > 0.0:
             sleep(wait_s)
-        yield LiveFrame(int(stamps[index]), image, float(due_s[index]))
+        until_ns, since = int(stamps[index]), []
+        while readings and readings[0].time_ns <= until_ns:
+            since.append(readings.popleft())
+        yield LiveFrame(until_ns, image, float(due_s[index]), tuple(since))
         index = max(index + 1, int(np.searchsorted(due_s, clock(), side="right")) - 1)
+
+
+def _readings(recording: Recording) -> deque[ImuSample]:
+    """What its IMU reads from its first frame on."""
+    imu = recording.imu
+    if imu is None:
+        return deque()
+    first = int(np.searchsorted(imu.time_ns, recording.frames.time_ns[0]))
+    columns = (imu.time_ns.tolist(), imu.angular_rate_rad_s, imu.specific_force_m_s2)
+    return deque(map(ImuSample, *(column[first:] for column in columns)))
 
 
 def newest(frames: Iterable[LiveFrame]) -> Iterator[LiveFrame]:
@@ -178,6 +195,8 @@ def newest(frames: Iterable[LiveFrame]) -> Iterator[LiveFrame]:
         try:
             for frame in frames:
                 with changed:
+                    if held and isinstance(held[0], LiveFrame):  # its readings are not dropped
+                        frame = replace(frame, imu=held[0].imu + frame.imu)
                     held.append(frame)
                     changed.notify()
                 if left.is_set():

@@ -68,7 +68,8 @@ class LiveSession:
     def told(self) -> dict[str, Any]:
         """Figures of the last seconds, and what there is to say of camera and recording."""
         recorded = "" if self.recorder is None else self.recorder.status
-        status = self.tracker.camera_status
+        known = (self.tracker.camera_status, self.tracker.inertial.status)
+        status = "; ".join(text for text in known if text)
         return {**self.measure.figures(), "camera_status": status, "recorded": recorded}
 
     def gesture(self, message: Mapping[str, Any]) -> None:

@@ -5,7 +5,8 @@ first, or with SLAM the largest plane that was mapped (z towards the camera).
 
 states      searching   nothing was seen yet, or the camera is not known
             tracking    measured in this frame
-            weak        measured with a doubt that `why` names, or predicted for up to 0.1 s
+            weak        measured with a doubt that `why` names, or predicted for up to 0.1 s, by
+                        an IMU that is sure for up to 0.5 s
             lost        nothing is known of where the camera is
 """
 
@@ -21,6 +22,7 @@ from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.live.calibration import LiveCalibration
 from motorcade.replays.live.frames import LiveFrame
+from motorcade.replays.live.inertial import BRIDGED_S, InertialPoses
 from motorcade.tracking import (
     Board,
     BoardTracker,
@@ -135,6 +137,7 @@ class LiveTracker:
         self.camera = camera
         self.calibration: LiveCalibration | None = None
         self._stated = camera is not None
+        self.inertial = InertialPoses()
         self._smoother = LiveSmoother()
         self._board: BoardTracker | None = None
         self._slam: _PlaneSlam | None = None
@@ -164,6 +167,7 @@ class LiveTracker:
         """
         self._check(frame)
         self._last_ns = frame.time_ns
+        self.inertial.add_imu(frame.imu)
         self._begun_ns = self._begun_ns if self._count else frame.time_ns
         self._count += 1
         if isinstance(self.target, FirstMarker):
@@ -181,7 +185,8 @@ class LiveTracker:
         return self._remembered(self._by_board(frame, self.camera, self.target))
 
     def close(self) -> None:
-        """Leave what is being calibrated and mapped."""
+        """Leave what is being calibrated, synchronised and mapped."""
+        self.inertial.close()
         if self.calibration is not None:
             self.calibration.close()
         self._slam = None
@@ -213,7 +218,8 @@ class LiveTracker:
         """Take views of the board until its camera is known well; begin anew at another size."""
         height, width = frame.gray.shape
         if self.calibration is None or self.calibration.size != (width, height):
-            self.close()
+            if self.calibration is not None:
+                self.calibration.close()
             self.calibration, self.camera = LiveCalibration((width, height)), None
         if self.calibration.wants(frame.time_ns):
             view = board.detect(frame.gray)
@@ -222,6 +228,8 @@ class LiveTracker:
         better = self.calibration.poll()
         if better is not None:
             self.camera, self._board = better.camera, None
+            self.inertial.close()  # its poses were those of another camera
+            self.inertial = InertialPoses()
 
     # The pose ------------------------------------------------------------------------------------
 
@@ -244,6 +252,10 @@ class LiveTracker:
             why = "two poses fit alike; look at it more from the side"
         elif seen.error_px > WORST_PX or (len(held_out) and _rms(held_out) > WORST_PX):
             why = "corners lie more than a pixel off"
+        if self._sure and seen.error_px <= WORST_PX:
+            predicted = self._predicted(frame.time_ns) if continued else None
+            motor, covariance = seen.world_T_camera, seen.covariance
+            self.inertial.add_pose(frame.time_ns, motor, covariance, predicted)
         state: LiveState = "weak" if why else "tracking"
         return LivePose(frame.time_ns, state, why, seen.world_T_camera, camera, held_out, True)
 
@@ -262,11 +274,19 @@ class LiveTracker:
             return pose
         if self._measured_ns is None:
             return replace(pose, state="searching")
-        if 1e-9 * (pose.time_ns - self._measured_ns) > PREDICTED_S:
+        passed_s = 1e-9 * (pose.time_ns - self._measured_ns)
+        bridged = self.inertial.at(pose.time_ns) if self.inertial.used else None
+        if bridged is not None and passed_s <= BRIDGED_S:
+            why = f"{pose.why}; by the IMU"
+            return replace(pose, state="weak", why=why, world_T_camera=bridged)
+        if passed_s > PREDICTED_S:
             return pose
-        _, position_m, wxyz = self._smoother.predict(time_s)
-        motor = Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), position_m)
+        motor = self._predicted(pose.time_ns)
         return replace(pose, state="weak", why=f"{pose.why}; predicted", world_T_camera=motor)
+
+    def _predicted(self, time_ns: int) -> Motor:
+        _, position_m, wxyz = self._smoother.predict(1e-9 * (time_ns - self._begun_ns))
+        return Motor.from_rotor_translation(Rotor.from_quaternion(wxyz), position_m)
 
 
 def is_one_pose(observation: MarkerObservation) -> bool:

@@ -1,0 +1,209 @@
+"""The IMU between poses: how it sits on the camera is found as it runs, then it bridges gaps.
+
+Offset and extrinsics come from `fusion.synchronise` over the poses so far, in a thread of its own;
+they are used once their deviations are below `SURE_…`, and only while frames that had no part in
+it are predicted better so than by constant velocity.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from motorcade.fusion import (
+    ADIS16448,
+    FilterSettings,
+    ImuNoise,
+    ImuStream,
+    PoseFilter,
+    Synchronised,
+    synchronise,
+)
+from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga.arrays import FloatArray
+
+SURE_OFFSET_S, SURE_ROTATION_RAD, SURE_LEVER_M = 0.003, np.radians(0.5), 0.02
+"""Deviations below which offset and extrinsics are used."""
+FITTED_AT_S = (8.0, 16.0, 32.0, 60.0)
+BRIDGED_S = 0.5
+"""How long the IMU alone gives a pose: 0.1 m/s² of a force's error are 12 mm then."""
+_KEPT_NS, _FED_NS = 70_000_000_000, 2_000_000_000
+_MOST_SAMPLES = 1 << 16
+_BETWEEN_S = 0.05
+_JUDGED, _FEWEST = 60, 15
+
+
+@dataclass(frozen=True, eq=False)
+class ImuSample:
+    """A reading: stamp (ns), angular rate ``(3,)`` rad/s, specific force ``(3,)`` m/s²."""
+
+    time_ns: int
+    rate_rad_s: FloatArray
+    force_m_s2: FloatArray
+
+
+_Pose = tuple[int, Motor, FloatArray]  # stamp (ns), world_T_camera, covariance
+
+
+class InertialPoses:
+    """Takes poses and readings as they come, and gives the pose between and after poses.
+
+    Args:
+        noise: the least that the IMU's noise is taken for; what is found may be more.
+    """
+
+    def __init__(self, noise: ImuNoise = ADIS16448) -> None:
+        self.found: Synchronised | None = None
+        self._noise = noise
+        self._samples: deque[ImuSample] = deque(maxlen=_MOST_SAMPLES)
+        self._poses: deque[_Pose] = deque()
+        self._worker = ThreadPoolExecutor(1, "imu")
+        self._fit: Future[Synchronised] | None = None
+        self._fits, self._reason = 0, ""
+        self._filter: PoseFilter | None = None
+        self._level = Motor.identity()
+        self._missed: deque[tuple[float, float]] = deque(maxlen=_JUDGED)
+
+    @property
+    def used(self) -> bool:
+        """Whether it is sure, and predicts better than constant velocity did."""
+        if self._filter is None or len(self._missed) < _FEWEST:
+            return False
+        own, other = np.median(np.array(self._missed), axis=0)
+        return bool(own <= other)
+
+    @property
+    def status(self) -> str:
+        """What is known of the IMU, for people; "" where no reading came."""
+        if not self._samples:
+            return ""
+        if self.found is None:
+            reason = f" ({self._reason})" if self._reason else ""
+            return f"IMU not used yet: turn and move the camera{reason}"
+        offset, sigma = 1e3 * self.found.offset_s, 1e3 * self.found.offset_sigma_s
+        turn = np.degrees(self.found.rotation_sigma_rad.max())
+        lever = 1e3 * self.found.lever_arm_sigma_m.max()
+        known = f"offset {offset:.1f} ± {sigma:.1f} ms, rotation ± {turn:.2f}°, lever ± {lever:.0f}"
+        return f"IMU {'used' if self.used else 'found'}: {known} mm"
+
+    def add_imu(self, samples: Iterable[ImuSample]) -> None:
+        """Take readings; those that are not later than the last are dropped."""
+        for sample in samples:
+            if self._samples and sample.time_ns <= self._samples[-1].time_ns:
+                continue
+            self._samples.append(sample)
+            if self._filter is not None:
+                self._filter.imu(sample.time_ns, sample.rate_rad_s, sample.force_m_s2)
+        while self._samples and self._samples[-1].time_ns - self._samples[0].time_ns > _KEPT_NS:
+            self._samples.popleft()
+
+    def add_pose(
+        self,
+        time_ns: int,
+        world_T_camera: Motor,
+        covariance: FloatArray,
+        predicted: Motor | None = None,
+    ) -> None:
+        """Take a measured pose, also a late one, with the covariance ``(6, 6)`` of its right
+        perturbation; `predicted` is what constant velocity expected there.
+        """
+        self._poll()
+        if not self._samples:
+            return
+        own = self.at(time_ns)
+        if own is not None and predicted is not None:
+            self._missed.append((_apart(own, world_T_camera), _apart(predicted, world_T_camera)))
+        self._poses.append((time_ns, world_T_camera, covariance))
+        while time_ns - self._poses[0][0] > _KEPT_NS:
+            self._poses.popleft()
+        if self._filter is not None:
+            self._feed(self._filter, self._poses[-1])
+        elif self._fit is None and self._fits < len(FITTED_AT_S):
+            self._begin_fit()
+
+    def at(self, time_ns: int) -> Motor | None:
+        """``world_T_camera`` at a moment of the camera's clock near the last reading."""
+        state = None if self._filter is None else self._filter.state
+        if state is None:
+            return None
+        ahead_s = 1e-9 * (time_ns - state.time_ns) + state.time_offset_s
+        if abs(ahead_s) > _BETWEEN_S:
+            return None
+        rate = self._samples[-1].rate_rad_s - state.gyro_bias_rad_s
+        turn = state.world_T_imu.rotor @ Rotor.from_rotation_vector(ahead_s * rate)
+        position_m = state.world_T_imu.translation_m + ahead_s * state.velocity_m_s
+        imu = Motor.from_rotor_translation(turn, position_m)
+        return self._level.inverse() @ imu @ state.imu_T_camera
+
+    def close(self) -> None:
+        """Leave what is under way."""
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+    def _begin_fit(self) -> None:
+        """Synchronise what came so far, once there is enough of it."""
+        if self._poses[-1][0] - self._poses[0][0] < 1e9 * FITTED_AT_S[self._fits]:
+            return
+        self._fits += 1
+        stamps, poses, _ = zip(*self._poses, strict=True)
+        camera = Trajectory(np.array(stamps), Motor.stack(poses))
+        rows = [(one.time_ns, one.rate_rad_s, one.force_m_s2) for one in self._samples]
+        imu = ImuStream(*(np.array(column) for column in zip(*rows, strict=True)))
+        self._fit = self._worker.submit(synchronise, camera, imu, self._noise)
+
+    def _poll(self) -> None:
+        """Take what was found, where it is sure."""
+        if self._fit is None or not self._fit.done():
+            return
+        fit, self._fit = self._fit, None
+        try:
+            found = fit.result()
+        except ValueError as fault:
+            self._reason = str(fault)
+            return
+        sigma = (found.offset_sigma_s, *found.rotation_sigma_rad, *found.lever_arm_sigma_m)
+        if np.any(np.array(sigma) > [SURE_OFFSET_S, *3 * [SURE_ROTATION_RAD], *3 * [SURE_LEVER_M]]):
+            self._reason = "offset and extrinsics are not sure yet"
+            return
+        self.found = found
+        self._start(found)
+
+    def _start(self, found: Synchronised) -> None:
+        """A filter on what was found, fed with the last seconds."""
+        up = -found.gravity_m_s2 / np.linalg.norm(found.gravity_m_s2)
+        axis = np.cross(up, [0.0, 0.0, 1.0])
+        size = float(np.linalg.norm(axis))
+        unit = axis / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
+        turn = Rotor.from_rotation_vector(np.arctan2(size, up[2]) * unit)
+        self._level = Motor.from_rotor_translation(turn, np.zeros(3))
+        sigma = np.sqrt(np.diag(found.covariance))
+        settings = FilterSettings(
+            gravity_sigma_rad=float(sigma[7:10].max() / 9.81),
+            extrinsics_sigma_rad=float(sigma[1:4].max()),
+            extrinsics_sigma_m=float(sigma[4:7].max()),
+            time_offset_sigma_s=float(sigma[0]),
+        )
+        self._filter = PoseFilter(
+            found.imu_noise, found.imu_T_camera, settings=settings, time_offset_s=found.offset_s
+        )
+        since_ns = self._samples[-1].time_ns - _FED_NS
+        for sample in (one for one in self._samples if one.time_ns >= since_ns):
+            self._filter.imu(sample.time_ns, sample.rate_rad_s, sample.force_m_s2)
+        for pose in (one for one in self._poses if one[0] + 1e9 * found.offset_s > since_ns):
+            self._feed(self._filter, pose)
+
+    def _feed(self, running: PoseFilter, pose: _Pose) -> None:
+        time_ns, world_T_camera, covariance = pose
+        try:
+            running.camera_pose(time_ns, self._level @ world_T_camera, covariance)
+        except ValueError as fault:  # from before the filter's history
+            self._reason = str(fault)
+
+
+def _apart(pose: Motor, other: Motor) -> float:
+    """By what angle (rad) the world's origin is seen elsewhere from the other pose."""
+    seen, expected = (m.inverse().translation_m for m in (pose, other))
+    return float(np.linalg.norm(seen - expected) / np.linalg.norm(expected))
