@@ -152,12 +152,12 @@ template <std::size_t N> struct Hypothesis {
         return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
     }
 
+    // How many measurements it explains.
+    std::ptrdiff_t explained() const { return std::count(believed.begin(), believed.end(), true); }
+
     // Whether it explains more measurements of all, with as few jumps, and predicts none worse.
     bool explains_more(const Hypothesis &other, double refused) const {
-        const auto explained = [](const Hypothesis &one) {
-            return std::count(one.believed.begin(), one.believed.end(), true);
-        };
-        return doubts.size() <= other.doubts.size() && explained(*this) > explained(other) &&
+        return doubts.size() <= other.doubts.size() && explained() > other.explained() &&
                other.gain(*this, std::max(since, other.since)) <= refused;
     }
 

@@ -28,11 +28,13 @@ public:
 
     // Rewrites what the sink holds for the moments passed so far. The path may as well begin at any
     // pose that was denied near the start; what lies between two steps of the pose may be wrong
-    // together, as on a map of its own, and so may all before a step.
+    // together, as on a map of its own, and so may all before a step. What denies most of the
+    // measurements that no such hypothesis denies is given up: the wrong ones are the fewer.
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
         Hypothesis<N> best = weigh_all(), spanned = best;
+        const Hypothesis<N> plain = best;
         if (auto open = spans(steps()); !open.empty()) {
             while (take_best(spanned, open, true)) continue;
             remake(best);
@@ -47,6 +49,7 @@ public:
         other_tried |= !found.empty();
         if (!try_starts(best, starts, true) && other_tried) remake(best);
         if (spanned.explains_more(best, refused())) remake(spanned);
+        if (2 * hypothesis(this->begin_).explained() < plain.explained()) remake(plain);
         this->given_up_ = given_up;
     }
 

@@ -4,6 +4,7 @@
 and 0.5° an axis), of which 1 to 60 in a row, anywhere, are moved by one motion of 0.1 to 10 m and 1
 to 180°, as by a tracker that starts on the wrong map or takes a wrong loop. Errors outside the span
 stand beside those of the same filter without the wrong poses. Every third span stands at the start.
+`--poses 30,60 --shift-m 0.05,0.5 --turn-deg 0.1,5` draws long spans that are moved by little.
 """
 
 from __future__ import annotations
@@ -72,14 +73,23 @@ class WrongSpan:
         return f"{self.count} from {self.first} on by {shift_m:.2g} m, {turn_deg:.2g}°"
 
 
-def wrong_span(poses: int, rng: np.random.Generator) -> WrongSpan:
-    """A span of 1 to 60 of so many poses: every third at the start, the others anywhere."""
-    count = int(rng.integers(1, 61))
+@dataclass(frozen=True)
+class Drawn:
+    """Least and largest of what spans are drawn from."""
+
+    poses: tuple[float, float] = (1, 60)
+    shift_m: tuple[float, float] = (0.1, 10.0)
+    turn_deg: tuple[float, float] = (1.0, 180.0)
+
+
+def wrong_span(poses: int, rng: np.random.Generator, of: Drawn = Drawn()) -> WrongSpan:
+    """A span of so many poses: every third at the start, the others anywhere."""
+    count = int(rng.integers(int(of.poses[0]), int(of.poses[1]) + 1))
     first = 0 if rng.random() < 1.0 / 3.0 else int(rng.integers(0, poses - count + 1))
     axes = rng.standard_normal((2, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    shift = np.exp(rng.uniform(np.log(0.1), np.log(10.0))) * axes[0]
-    turn = np.deg2rad(np.exp(rng.uniform(0.0, np.log(180.0)))) * axes[1]
+    shift = np.exp(rng.uniform(*np.log(of.shift_m))) * axes[0]
+    turn = np.deg2rad(np.exp(rng.uniform(*np.log(of.turn_deg)))) * axes[1]
     return WrongSpan(first, count, tuple(shift.tolist()), tuple(turn.tolist()))
 
 
@@ -127,12 +137,17 @@ def span_errors(
     return SpanErrors(_rms(found), _rms(by_right), float(found.max()))
 
 
+def _bounds(text: str) -> tuple[float, float]:
+    least, largest = (float(number) for number in text.split(","))
+    return least, largest
+
+
 def _rms(values: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
 def drawn(
-    flights: tuple[str, ...], draws: int, seed: int, longest_s: float
+    flights: tuple[str, ...], draws: int, seed: int, longest_s: float, of: Drawn
 ) -> Iterator[tuple[str, WrongSpan, Flight, PoseMeasurements]]:
     """Segments of flights, up to so long, and spans of them."""
     for name in flights:
@@ -147,7 +162,7 @@ def drawn(
             begin = int(rng.integers(0, len(given) - count + 1))
             part = slice(begin, begin + count)
             some = PoseMeasurements(given.trajectory[part], given.covariance[part])
-            yield name, wrong_span(count, rng), one, some
+            yield name, wrong_span(count, rng, of), one, some
 
 
 def main() -> None:
@@ -159,11 +174,14 @@ def main() -> None:
     parser.add_argument("--longest-s", type=float, default=60.0, help="segments are from 8 s on")
     parser.add_argument("--lag", type=float, default=np.inf, help="0: live")
     parser.add_argument("--upright", action="store_true", help="the vertical is not estimated")
+    for name, bounds in vars(Drawn()).items():
+        parser.add_argument(f"--{name.replace('_', '-')}", type=_bounds, default=bounds)
     asked = parser.parse_args()
+    of = Drawn(asked.poses, asked.shift_m, asked.turn_deg)
     settings = FilterSettings() if asked.upright else SETTINGS
     rows = []
     for name, span, one, given in drawn(
-        tuple(asked.flights.split(",")), asked.draws, asked.seed, asked.longest_s
+        tuple(asked.flights.split(",")), asked.draws, asked.seed, asked.longest_s, of
     ):
         errors = span_errors(one, given, span, settings, lag_s=asked.lag)
         rows.append((errors.ratio, errors, f"{name}, {len(given)} poses, {span.summary}"))

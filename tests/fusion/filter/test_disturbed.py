@@ -15,8 +15,8 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 from tests.bench.fusion.disturbed import DISTURBANCES, disturbed_figures
-from tests.bench.fusion.recorded import flight
-from tests.bench.fusion.wrong_spans import MOST_RATIO, WrongSpan
+from tests.bench.fusion.recorded import SETTINGS, flight
+from tests.bench.fusion.wrong_spans import MOST_RATIO, Drawn, WrongSpan, drawn, span_errors
 from tests.fusion.conftest import Run
 
 
@@ -191,3 +191,22 @@ def test_recorded_flights_are_smoothed_as_without_what_is_wrong(name: str, how: 
     assert found["robust_m"] < 1.05 * found["known_m"]
     assert found["robust_m_max"] < 1.05 * found["known_m_max"] + 1e-3
     assert found["misjudged_share"] < 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "seed", "of", "count"),
+    [
+        ("V2_02", 12, Drawn(), 36),
+        ("V1_03", 21, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
+    ],
+)
+def test_most_poses_of_a_flight_are_not_denied_for_a_wrong_span(
+    name: str, seed: int, of: Drawn, count: int
+):
+    """Few poses in a row are wrong together; the IMU once led 300 m away from all others."""
+    spans = [one for one in drawn((name,), 30, seed, 30.0, of) if one[1].count == count]
+    if not spans:
+        pytest.skip(f"{name}: not below {data_folder()}; set MOTORCADE_DATA")
+    for _, span, recorded, poses in spans:
+        assert span_errors(recorded, poses, span, SETTINGS).worst_m < 0.1
