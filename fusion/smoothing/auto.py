@@ -51,8 +51,6 @@ _WORLD, _BODY = "rotor", "motor"
 _AXES = 3
 # A dual part is half the position times the quaternion, whose error the position's size enlarges.
 _MIXED = "dual parts mix positions with rotations"
-
-
 # A thousandth and a thousand times the time that the path calls for are as good as none and all.
 _MOST = 10.0
 # Representations whose vectors have a rotation and a translation an axis.
@@ -423,9 +421,8 @@ def _chosen(
     models = chosen_models(taken[0], taken[1].coordinates, smoothed.weights, known=known)
     if taken[0] is not measured and models.unobservable > 0:
         world = chosen_models(measured, smoothed.coordinates, smoothed.weights, known=known)
-        if (
-            world.unobservable < models.unobservable
-        ):  # what is left as measured is not predicted better
+        # What is left as measured is not predicted better.
+        if world.unobservable < models.unobservable:
             taken, models = (measured, smoothed), world
     measured, smoothed = taken
     warn_of_coarse(float(np.median(np.diff(measured.time_s))))

@@ -78,12 +78,14 @@ class PathStart:
         weights: 1 where a pose belongs to the chain, or the chain does not tell where it should be
             (see `predicted`), else 0.
         mirrored: which poses were, either way.
+        as_measured: the trajectory before that.
         jumps: rows before which the level jumps, as the chain tells.
     """
 
     trajectory: Trajectory
     weights: FloatArray
     mirrored: NDArray[np.bool_]
+    as_measured: Trajectory
     jumps: IntArray = field(default_factory=lambda: NO_JUMPS)
 
     @classmethod
@@ -93,15 +95,17 @@ class PathStart:
         kept = inlier_poses(time_s, poses.rigid, *first_sizes(trajectory))
         mirrored = np.zeros_like(kept)
         if np.all(kept):
-            return cls(trajectory, kept.astype(np.float64), mirrored)
-        sizes = cls(trajectory, kept.astype(np.float64), mirrored)._sizes()
+            return cls(trajectory, kept.astype(np.float64), mirrored, trajectory)
+        as_measured = trajectory
+        sizes = cls(trajectory, kept.astype(np.float64), mirrored, as_measured)._sizes()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
         judged = judged_runs(time_s, poses.rigid, kept)
         rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
         if np.any(mirrored):
             trajectory = replace(trajectory, poses=with_rigid(poses, rigid))
             judged = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
-        return cls(trajectory, judged.motion.astype(np.float64), mirrored, judged.jumps)
+        weights = judged.motion.astype(np.float64)
+        return cls(trajectory, weights, mirrored, as_measured, judged.jumps)
 
     def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
@@ -158,7 +162,9 @@ class PathStart:
         return self if start.mirrored is self.mirrored else start
 
     def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
-        """The same with a run mirrored back, where a marker explains all of it."""
+        """The same with a run mirrored back, where a marker explains all of it; poses that were
+        mirrored already are then as measured.
+        """
         like, poses, kept = self.trajectory, self.trajectory.poses, self.weights > 0.0
         kept[run] = False
         read = mirrored_run(like.time_s, poses.rigid, kept, run, sizes, _WIDTH)
@@ -167,10 +173,12 @@ class PathStart:
         rigid = np.array(poses.rigid.coefficients)
         weights, mirrored = np.array(self.weights), np.array(self.mirrored)
         rows = run.start + np.flatnonzero(read[1])
-        rigid[rows], weights[rows], mirrored[rows] = read[0][read[1]].coefficients, 1.0, True
+        rigid[rows], twice = read[0][read[1]].coefficients, rows[mirrored[rows]]
+        rigid[twice] = self.as_measured.poses.rigid[twice].coefficients
+        weights[rows], mirrored[rows] = 1.0, ~mirrored[rows]
         trajectory = replace(like, poses=with_rigid(poses, Motor(rigid)))
         jumps = np.setdiff1d(self.jumps, [rows[0], rows[-1] + 1])
-        return PathStart(trajectory, weights, mirrored, jumps)
+        return PathStart(trajectory, weights, mirrored, self.as_measured, jumps)
 
     def _with_levels_returned(
         self, measured: Measured, path: FloatArray, models: AxisModels
@@ -193,7 +201,7 @@ class PathStart:
         poses = np.where(moved[:, None], other.coefficients, like.poses.coefficients)
         trajectory = replace(like, poses=type(like.poses)(poses))
         jumps = np.setdiff1d(measured.jumps, [row for run in returned for row in run[:2]])
-        return PathStart(trajectory, self.weights, moved, jumps)
+        return PathStart(trajectory, self.weights, moved, self.as_measured, jumps)
 
     def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""

@@ -157,7 +157,7 @@ def test_a_run_that_was_moved_back_once_keeps_its_jumps(rng: np.random.Generator
     run = slice(100, 130)
     wrong = relocated(NOISE.apply(true, rng), run, Motor.from_translation([0.2, 0.1, 0.0]))
     whole = np.ones(len(wrong))
-    start = PathStart(wrong, whole, whole == 0.0, np.array([run.start, run.stop]))
+    start = PathStart(wrong, whole, whole == 0.0, wrong, np.array([run.start, run.stop]))
     measured, path = start.written(REPRESENTATIONS["euler"])
     models = chosen_models(measured, path, whole, (2,))
     moved = start._with_levels_returned(measured, path, models)

@@ -11,6 +11,7 @@ from motorcade.fusion.motions.degradations import (
     wrong_planar_pose,
 )
 from motorcade.fusion.smoothing import smoothed_automatically
+from motorcade.fusion.smoothing.auto import AutomaticPath
 from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch.inliers import Sizes
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
@@ -157,3 +158,18 @@ def test_a_run_without_a_leap_at_one_end_is_read_up_to_where_the_candidates_meet
     flipped = Trajectory(noisy.time_ns, Motor(coefficients))
     found = smoothed_automatically(flipped).trajectory
     assert np.all(errors(found, truth) < 0.3 * errors(flipped, truth))
+
+
+def test_poses_on_the_wrong_side_of_a_leap_are_mirrored_once() -> None:
+    """A start shorter than the run behind it is mirrored first, and both together then."""
+    truth, found, clean = _screwed(3)
+    assert found.choice.outliers == 42 / 200
+    assert np.all(errors(found.trajectory, truth) < 4.0 * errors(clean, truth))
+
+
+def _screwed(seed: int) -> tuple[Trajectory, AutomaticPath, Trajectory]:
+    """A screw, and smoothed with and without a run of the other candidate."""
+    truth = MOTIONS["screw"].sampled(20.0, 199 / 20.0)
+    noisy = NOISE.apply(truth, np.random.default_rng(seed))
+    found = smoothed_automatically(with_a_flip(noisy, slice(27, 69)))
+    return truth, found, smoothed_automatically(noisy).trajectory
