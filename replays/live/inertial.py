@@ -160,16 +160,20 @@ class InertialPoses:
             return
         fit, self._fit = self._fit, None
         try:
-            found = fit.result()
+            synchronised = fit.result()
         except ValueError as fault:
             self._reason = str(fault)
             return
-        sigma = (found.offset_sigma_s, *found.rotation_sigma_rad, *found.lever_arm_sigma_m)
+        sigma = (
+            synchronised.offset_sigma_s,
+            *synchronised.rotation_sigma_rad,
+            *synchronised.lever_arm_sigma_m,
+        )
         if np.any(np.array(sigma) > [SURE_OFFSET_S, *3 * [SURE_ROTATION_RAD], *3 * [SURE_LEVER_M]]):
             self._reason = "offset and extrinsics are not sure yet"
             return
-        self.found = found
-        self._start(found)
+        self.found = synchronised
+        self._start(synchronised)
 
     def _start(self, found: Synchronised) -> None:
         """A filter on what was found, fed with the last seconds."""
