@@ -85,11 +85,7 @@ class _Frames:
     time_ns: IntArray
     images: Sequence[GrayImage]
     size: tuple[int, int]  # of the images as given
-
-    @property
-    def scale(self) -> float:
-        """Pixels as given in one as tracked."""
-        return float(self.size[0] / self.small[0])
+    scale: int = 1  # pixels as given in one as tracked; what is left over at the right is cut off
 
     @property
     def small(self) -> tuple[int, int]:
@@ -180,7 +176,7 @@ def _reduced(images: Iterable[GrayImage], size: tuple[int, int], time_ns: IntArr
             f"images: expected at least {_FEWEST_VIEWS} frames and a stamp each, got "
             f"{len(kept)} with {len(time_ns)}"
         )
-    return _Frames(time_ns[: len(kept)], kept, (small[0] * step, small[1] * step))
+    return _Frames(time_ns[: len(kept)], kept, size, step)
 
 
 def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:

@@ -173,3 +173,14 @@ def test_a_centre_where_no_lens_has_it_is_not_believed(aside_px: float) -> None:
         assert calibration.camera.fx == pytest.approx(560.0, rel=0.03)
     else:
         assert calibration.camera.cx == 319.5
+
+
+@pytest.mark.slow
+def test_the_camera_has_the_size_of_the_images_where_it_is_no_multiple_of_the_tracked_one() -> None:
+    """Images of 1281 x 961 are tracked at half; a camera of 1280 x 960 fits none of them."""
+    doubled = [cv2.resize(each, (1280, 960)) for each in images_of_walls((319.5, 239.5), 30)]
+    images = [cv2.copyMakeBorder(each, 0, 1, 0, 1, cv2.BORDER_REPLICATE) for each in doubled]
+    calibration = self_calibrate_motion(images, (1281, 961), np.arange(30) * 33_333_333)
+    assert (calibration.camera.width, calibration.camera.height) == (1281, 961)
+    assert calibration.camera.fx == pytest.approx(1120.0, rel=0.03)
+    assert calibration.camera.cx == pytest.approx(639.5, abs=15.0)
