@@ -22,7 +22,7 @@ from motorcade.replays.engine.graph import Graph, Knobs
 from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.io.files import read_bounded, write_bytes
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.readers.frames.files import ImageFrames
+from motorcade.replays.io.readers.frames.files import ImageFrames, stamps_of_names
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.layouts.detect import LOOSE_IMAGES, RATE_HZ
 from motorcade.replays.io.readers.manifest import LOCAL_NAME
@@ -288,10 +288,14 @@ class _Describing:
         folder = frames.files[0].parent.relative_to(root)
         lines = ["[frames]"] if folder.parts == () else ["[frames]", f'images = "{folder}/*.*"']
         self._tables.append("\n".join([*lines, f"rate_hz = {rate_hz!r}"]) + "\n")
-        self._tables[-1] += chosen.span_toml(np.arange(len(frames)) * (1.0 / rate_hz))
+        time_ns = stamps_of_names(frames.files, rate_hz)
+        self._tables[-1] += chosen.span_toml(1e-9 * time_ns)
         self._span = ""
         said = f"{len(frames)} images in the order of their names, {rate_hz:g} a second"
-        self._assume("times", said, "images that hold no times", "described.rate_hz=30")
+        source = "images that hold no times"
+        if time_ns[0] > 0:
+            said, source = f"{len(frames)} images, times in seconds since 1970", "their names"
+        self._assume("times", said, source, "described.rate_hz=30")
 
     def camera(
         self,

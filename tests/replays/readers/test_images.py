@@ -16,6 +16,7 @@ from motorcade.replays.io.readers.frames.files import (
     inside,
     numbered,
     refuse_gaps,
+    stamps_of_names,
 )
 from motorcade.replays.io.readers.frames.images import (
     image_orientation,
@@ -24,6 +25,7 @@ from motorcade.replays.io.readers.frames.images import (
     read_gray,
     read_image,
 )
+from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking.cameras.camera import ImageOrientation
 
 ENDINGS = (".png", ".jpg", ".bmp", ".ppm", ".pgm")
@@ -188,6 +190,44 @@ def test_a_gap_in_the_numbers_is_refused_by_name() -> None:
     with pytest.raises(RecordingError, match=r"img_0003\.jpg followed by img_0005\.jpg"):
         refuse_gaps(files, "copy it again")
     refuse_gaps([Path(f"{i}.jpg") for i in (0, 5, 10, 15)], "copy it again")
+
+
+def test_stamps_leave_gaps_where_numbers_do(rng: np.random.Generator) -> None:
+    """Images thinned at random have the stamps that they had in the whole series."""
+    for step in (1, 4):
+        kept = np.sort(rng.choice(300, 120, replace=False))
+        kept[:2] = 0, 1
+        kept = np.unique(kept)
+        time_ns = stamps_of_names([Path(f"img_{7 + step * k:04d}.jpg") for k in kept], 25.0)
+        np.testing.assert_array_equal(time_ns, kept * 40_000_000)
+
+
+@pytest.mark.parametrize("digits", [9, 6, 3])
+@pytest.mark.parametrize("point", ["", "."])
+def test_names_that_are_times_are_the_stamps(digits: int, point: str) -> None:
+    stamps = np.array([1403636579, 1403636580, 1403636582]) * 10**9 + [763_000_000, 1_000_000, 0]
+    names = [f"{ns // 10**9}{point}{ns % 10**9 // 10 ** (9 - digits):0{digits}d}" for ns in stamps]
+    time_ns = stamps_of_names([Path(f"{name}.png") for name in names], 30.0)
+    np.testing.assert_array_equal(time_ns, stamps)
+
+
+@pytest.mark.parametrize(
+    "numbers", [(1000, 34_512, 67_211, 101_009), (1, 2, 3, 9_000_000), (7, 7, 8)]
+)
+def test_numbers_that_count_no_images_are_refused(numbers: tuple[int, ...]) -> None:
+    with pytest.raises(RecordingError, match="need \\[frames\\] stamps"):
+        stamps_of_names([Path(f"{k}/{k}.png") for k in numbers], 30.0)
+
+
+def test_a_manifest_says_how_many_numbers_are_not_there(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    for number in (3, 4, 5, 8, 9):
+        cv2.imwrite(str(tmp_path / f"{number:03d}.png"), np.zeros((48, 64), np.uint8))
+    (tmp_path / "motorcade.toml").write_text('[frames]\nimages = "*.png"\nrate_hz = 10.0\n')
+    frames = open_recording(tmp_path).frames
+    np.testing.assert_array_equal(frames.time_ns, np.array([0, 1, 2, 5, 6]) * 100_000_000)
+    assert "7 images by their numbers, of which 2 are not there" in caplog.text
 
 
 def test_series_of_several_cameras_are_refused_by_their_patterns() -> None:

@@ -31,6 +31,7 @@ from motorcade.replays.io.files import DamagedError, read_bounded, refusal
 from motorcade.replays.io.readers.frames import images
 from motorcade.replays.io.readers.frames.images import image_orientation
 from motorcade.replays.io.recording import DepthArray, Frame, FrameMasks, ImageArray
+from motorcade.replays.io.trajectories import even_stamps
 from motorcade.tracking.cameras.camera import AS_STORED, ImageOrientation
 from motorcade.tracking.masks import COUNTS
 
@@ -406,6 +407,50 @@ def refuse_gaps(paths: Sequence[Path], advice: str) -> None:
             f"{paths[at + 1].name}: an image is missing",
             advice=advice,
         )
+
+
+_SINCE_1970 = re.compile(r"(?:.*[^0-9])?(1[0-9]{9})[._]?([0-9]{3,9})")
+_FARTHEST_APART = 10
+"""Of numbers that count images, the usual step, in the smallest that divides all: one that counts
+nanoseconds or rows of a log has thousands."""
+
+
+def stamps_of_names(paths: Sequence[Path], rate_hz: float) -> IntArray:
+    """Stamps ``(N,)`` of images in natural order, nanoseconds, by what their names say.
+
+    Names that are times since 1970 (ten digits of seconds, then three to nine of their fraction)
+    are the stamps. Numbers count images, `rate_hz` of them a second: where some were taken out or
+    lost, the stamps leave a gap. Other names follow one another evenly.
+
+    Raises:
+        RecordingError: names of several series that count alike, as several cameras' are, or
+            numbers that grow as no count of images does.
+
+    >>> from pathlib import Path
+    >>> from motorcade.replays.io.readers.frames.files import stamps_of_names
+    >>> stamps_of_names([Path(f"img_{k}.png") for k in (1, 2, 5)], 10.0).tolist()
+    [0, 100000000, 400000000]
+    """
+    _refuse_several(paths)
+    times = [_SINCE_1970.fullmatch(path.stem) for path in paths]
+    known = [int(time[1] + time[2].ljust(9, "0")) for time in times if time is not None]
+    if len(known) == len(paths) > 1 and min(np.diff(known)) > 0:
+        return np.array(known)
+    numbers = numbered(paths)
+    if numbers is None or len(numbers) < 2:
+        return even_stamps(len(paths), rate_hz)
+    steps = np.diff(np.array(numbers, np.int64))
+    unit = int(np.gcd.reduce(steps))
+    counts = steps.min() > 0 and numbers[-1] - numbers[0] <= FRAME_LIMIT * unit
+    if not counts or np.median(steps) > _FARTHEST_APART * unit:
+        raise refusal(
+            paths[0].parent,
+            f"expected images that are numbered as they follow one another, got {paths[0].name} "
+            f"followed by {paths[1].name}",
+            advice="images taken at uneven times need [frames] stamps",
+        )
+    counted = (np.array(numbers) - numbers[0]) // unit
+    return np.rint(counted * (1e9 / rate_hz)).astype(np.int64)
 
 
 def natural(path: Path) -> tuple[list[tuple[int, int, str]], str]:

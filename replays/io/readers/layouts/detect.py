@@ -12,7 +12,7 @@ from typing import Protocol
 
 from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.frames.files import ImageFrames, images_in
+from motorcade.replays.io.readers.frames.files import ImageFrames, images_in, stamps_of_names
 from motorcade.replays.io.readers.frames.images import SUFFIXES
 from motorcade.replays.io.readers.layouts import (
     euroc,
@@ -23,7 +23,7 @@ from motorcade.replays.io.readers.layouts import (
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tagslam import recording as tagslam
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.io.trajectories import TEXT_SUFFIXES, even_stamps
+from motorcade.replays.io.trajectories import TEXT_SUFFIXES
 
 LOOSE_IMAGES = "images"
 """Layout of a folder of images and nothing else: frames in the order of their names."""
@@ -99,7 +99,7 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         return read(root, own_truth=own_truth)
     if (folder := _folder_of_images(root)) is not None:
         files = images_in(folder)
-        frames = ImageFrames(files, even_stamps(len(files), RATE_HZ))
+        frames = ImageFrames(files, stamps_of_names(files, RATE_HZ))
         return Recording(root.resolve().name, root, LOOSE_IMAGES, frames)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")

@@ -29,7 +29,7 @@ from motorcade.replays.io.readers.frames.files import (
     images_in,
     inside,
     paired_masks,
-    refuse_gaps,
+    stamps_of_names,
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
 from motorcade.replays.io.readers.frames.video import VideoFrames
@@ -58,7 +58,7 @@ from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.ros.frames import BagFrames
 from motorcade.replays.io.readers.tables import UNITS
 from motorcade.replays.io.recording import FrameSequence, Recording, with_masks
-from motorcade.replays.io.trajectories import even_stamps, read_times
+from motorcade.replays.io.trajectories import read_times
 from motorcade.replays.io.transforms import transform
 from motorcade.tracking.audit import centre_finding
 from motorcade.tracking.boards import Board
@@ -255,8 +255,18 @@ class _Manifest:
                     path, f"expected {len(files)} stamps for as many images, got {len(time_ns)}"
                 )
         else:
-            time_ns = even_stamps(len(files), section.number("rate_hz", 1e-3, 1e5))
-            refuse_gaps(files, "copy it again; images taken at uneven times need [frames] stamps")
+            rate_hz = section.number("rate_hz", 1e-3, 1e5)
+            time_ns = stamps_of_names(files, rate_hz)
+            counted = round(1e-9 * float(time_ns[-1] - time_ns[0]) * rate_hz) + 1
+            if time_ns[0] == 0 and counted > len(files):
+                missing = counted - len(files)
+                _LOG.warning(
+                    "%s: %d images by their numbers, of which %d are not there: the stamps leave "
+                    "gaps for them",
+                    self.path,
+                    counted,
+                    missing,
+                )
         shown_size, orientation = first_look(files)
         frames = ImageFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
         if "depth" not in section:
