@@ -148,18 +148,22 @@ class PathStart:
         """
         start, count = replace(self, jumps=measured.jumps), len(self.weights)
         sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
-        runs = [slice(*ends) for ends in pairwise([0, *measured.jumps.tolist(), count])]
-        # Either side of a leap may be mirrored for the path to go on; wrong poses are the fewer.
-        wrong = [np.count_nonzero(start._mirrored(run, sizes).mirrored) for run in runs]
-        for place in np.argsort(wrong, kind="stable"):
-            other = start._mirrored(runs[place], sizes)
-            if other is not start and 2 * np.count_nonzero(other.mirrored) < count:
-                own, near = other.written(measured.representation)
-                own = replace(own, time_s=measured.time_s)
-                left = squares_left(own, near, self.weights, models)
-                if left < most - 2.0 * _LIKELIER:
-                    start, most = other, left
-        return self if start.mirrored is self.mirrored else start
+        while True:
+            runs = [slice(*ends) for ends in pairwise([0, *start.jumps.tolist(), count])]
+            # Either side of a leap may be mirrored for the path to go on: that is wrong which leaves
+            # the fewest jumps, of equals the shortest.
+            tried = list[tuple[int, int, float, PathStart]]()
+            for other in (start._mirrored(run, sizes) for run in runs):
+                wrong = int(np.count_nonzero(other.mirrored))
+                if other is not start and 2 * wrong < count:
+                    own, near = other.written(measured.representation)
+                    own = replace(own, time_s=measured.time_s)
+                    left = squares_left(own, near, self.weights, models)
+                    if left < most - 2.0 * _LIKELIER:
+                        tried.append((len(other.jumps), wrong, left, other))
+            if not tried:
+                return self if start.mirrored is self.mirrored else start
+            *_, most, start = min(tried, key=lambda one: one[:2])
 
     def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
         """The same with a run mirrored back, where a marker explains all of it; poses that were
@@ -309,13 +313,16 @@ def of_one_twist(
     if any_axes and measured.representation.name != _BODY:
         tried.insert(0, in_axes_of_body(start, measured, smoothed))
     for each, path in tried:
-        poses = replace(each, jumps=NO_JUMPS)  # where nothing else is left there was none
+        # Where nothing else is left no level jumped; and poses that were read by some path tell a
+        # twist, which needs few, what that path was.
+        poses = replace(each, jumps=NO_JUMPS, motion=each.motion & ~start.mirrored)
         columns = _STIFF.get(poses.representation.name, 0)
         own = models.columns[:columns]
         if not own:
             continue
         by_twist = _stiff(models, np.zeros(columns))
-        twisted = smoothed_per_axis(poses, path, smoothed.weights, by_twist, tails, LAST_STEPS)
+        weights = smoothed.weights * poses.motion
+        twisted = smoothed_per_axis(poses, path, weights, by_twist, tails, LAST_STEPS)
         beyond = poses.representation.local(poses.coordinates, twisted.coordinates)
         lasting = memories_beside(ColumnSegment(poses.time_s, beyond, twisted.weights), columns)
         if lasting is not None:
@@ -354,17 +361,21 @@ def of_one_turn(
     if turn < (_TURNS * float(np.median(rates)) if rates else _FAR / usual_s):
         return measured, smoothed, models
     noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
-    poses, steady = start.trajectory.poses.rigid, replace(measured, jumps=NO_JUMPS)
-    model = turning_model(measured.time_s, poses, smoothed.weights, noise).told(usual_s)
-    joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
-    if model.unobservable:
-        return measured, smoothed, models
-    turned = smoothed_per_axis(
-        steady, smoothed.coordinates, smoothed.weights, joint, tails, LAST_STEPS
-    )
-    if _gain(smoothed, turned) <= (EQUAL if len(measured.jumps) or not rates else -EQUAL):
-        return measured, smoothed, models
-    return steady, turned, joint
+    poses = start.trajectory.poses.rigid
+    least = EQUAL if len(measured.jumps) or not rates else -EQUAL
+    # Poses that were read by axes apart may be where these went, not where the body did.
+    for among in (measured.motion, measured.motion & ~start.mirrored):
+        steady, weights = replace(measured, jumps=NO_JUMPS, motion=among), smoothed.weights * among
+        model = turning_model(measured.time_s, poses, weights, noise).told(usual_s)
+        if model.unobservable:
+            continue
+        joint = replace(models, columns=(*[model] * 3, *models.columns[3:]))
+        turned = smoothed_per_axis(steady, smoothed.coordinates, weights, joint, tails, LAST_STEPS)
+        if _gain(smoothed, turned) > least:
+            measured, smoothed, models, least = steady, turned, joint, EQUAL
+        if not np.any(start.mirrored):
+            break
+    return measured, smoothed, models
 
 
 def _gain(before: PerAxisPath, after: PerAxisPath) -> float:
