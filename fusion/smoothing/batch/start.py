@@ -150,8 +150,8 @@ class PathStart:
         sizes, most = start._sizes(), squares_left(measured, path, self.weights, models)
         while True:
             runs = [slice(*ends) for ends in pairwise([0, *start.jumps.tolist(), count])]
-            # Either side of a leap may be mirrored for the path to go on: that is wrong which leaves
-            # the fewest jumps, of equals the shortest.
+            # Either side of a leap may be mirrored for the path to go on: that is wrong which
+            # leaves the fewest jumps, of equals the shortest.
             tried = list[tuple[int, int, float, PathStart]]()
             for other in (start._mirrored(run, sizes) for run in runs):
                 wrong = int(np.count_nonzero(other.mirrored))
