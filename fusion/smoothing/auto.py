@@ -268,7 +268,8 @@ class AutomaticPath:
     Fields:
         trajectory: with the stamps and frames of the measured one.
         choice: what was found out.
-        weights: ``(N,)`` about 1 where a measured pose counts fully, 0 where it is left out.
+        weights: ``(N,)`` about 1 where a measured pose counts fully, 0 where it is called wrong:
+            left out, mirrored back or moved back.
         deviations: ``(N, d)`` of the smoothed poses along the representation's axes, for the
             choice's noise; NaN along those whose noise is not told. Motion that is smoothed away
             where more smoothness is asked for is not in them.
@@ -348,7 +349,7 @@ def smoothed_automatically(
     trajectory = in_double(trajectory)
     start = PathStart.of(trajectory)
     if choice is None:
-        choice, measured, smoothed = _chosen(start, representation, asked)
+        choice, start, measured, smoothed = _chosen(start, representation, asked)
     else:
         named = representation_named(choice.representation)
         models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
@@ -410,8 +411,8 @@ def auto(
 
 def _chosen(
     start: PathStart, representation: str | None, knobs: SmootherKnobs
-) -> tuple[SmootherChoice, Measured, PerAxisPath]:
-    """What a path calls for, and the path smoothed so."""
+) -> tuple[SmootherChoice, PathStart, Measured, PerAxisPath]:
+    """What a path calls for, where it starts then, and the path smoothed so."""
     named = representation_named(representation or _WORLD, start.trajectory.poses)
     start, even, measured, smoothed = first_path(start, named)
     known = knobs.known_noise(measured.representation, smoothed.noise.size)
@@ -446,7 +447,7 @@ def _chosen(
         measured.representation.ends,
         knobs,
     )
-    return choice, measured, smoothed
+    return choice, start, measured, smoothed
 
 
 def _finished(
@@ -461,10 +462,11 @@ def _finished(
     stay = unpredicted(start.trajectory, measured, smoothed, models, choice.tails)
     if choice.raw and choice.knobs.smoothness == 0.0:
         stay |= smoothed.weights[:, None] > 0.0
-    measured_poses = start.trajectory.poses.rigid
-    share = np.where(stay, 0.0, choice.knobs.allowed_share(path.poses.rigid, measured_poses))
-    path, stay = in_part(path, start.trajectory, share), share < 1.0
+    path = in_part(path, start.trajectory, np.where(stay, 0.0, 1.0))
+    share = choice.knobs.allowed_share(path.poses.rigid, trajectory.poses.rigid)
+    path, stay = in_part(path, trajectory, share), stay | (share < 1.0)
     deviations = np.sqrt(smoothed.spread) * [one.noise for one in choice.models]
     parts = np.searchsorted(choice.axes, np.arange(deviations.shape[1]), "right")
     deviations[np.column_stack([stay, np.all(stay, axis=1)])[:, parts]] = np.nan
-    return AutomaticPath(path, choice, smoothed.weights, deviations, measured.jumps)
+    weights = np.where(start.mirrored, 0.0, smoothed.weights)
+    return AutomaticPath(path, choice, weights, deviations, measured.jumps)

@@ -11,6 +11,7 @@ from motorcade.fusion.smoothing import choose, smooth, smoothed_automatically
 from motorcade.fusion.smoothing.batch.columns import ColumnModel
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from tests.bench.smoothing.cells import cell
 
 TRUE = MOTIONS["handheld"].sampled(30.0, 6.0)
 
@@ -195,8 +196,15 @@ def test_a_choice_keeps_its_knobs_and_takes_no_others(noisy: Trajectory) -> None
         smoothed_automatically(noisy, choice=choice, smoothness=2.0)
 
 
-def test_no_pose_is_moved_farther_than_it_may(noisy: Trajectory) -> None:
-    """Wrong poses, which `auto` moves by decimetres, go as far as they may on the way to there."""
+@pytest.mark.parametrize("flipped", [False, True])
+def test_no_pose_is_moved_farther_than_it_may(noisy: Trajectory, flipped: bool) -> None:
+    """Wrong poses, which `auto` moves by decimetres, go as far as they may on the way to there.
+
+    So do runs that it mirrors back, which went all of it where they were found late.
+    """
+    if flipped:
+        hover = MOTIONS["gimbal_hover"].sampled(20.0, 199 / 20.0)
+        noisy = cell("gimbal_hover", "flips", hover, 4242).raw
 
     def moved(path: Trajectory) -> FloatArray:
         turn = (noisy.motors.rotor.inverse() @ path.motors.rotor).angle()

@@ -11,6 +11,7 @@ from motorcade.fusion.smoothing import choose, smooth, smoothed_automatically
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from tests.bench.smoothing.cells import NOISES, SLOW, cell, motion
+from tests.bench.smoothing.estimates import MOST_MOVED, moved_in_scatters
 
 
 def restamped(path: Trajectory, factor: float) -> Trajectory:
@@ -53,15 +54,20 @@ def test_a_path_restamped_is_smoothed_alike(
 def test_any_path_under_any_noise_is_smoothed_alike_at_any_stamps(
     noise: str, tmp_path: Path
 ) -> None:
-    """Stamps 0.01 to 1000 times as far apart; motions, paths and factors are drawn."""
+    """Stamps 0.01 to 1000 times as far apart; motions, paths and factors are drawn.
+
+    And no pose is moved by more than five times what the path's own steps scatter, but for such as
+    are called wrong.
+    """
     rng = np.random.default_rng([*map(ord, noise)])
     name = str(rng.choice(["gimbal_hover", "screw", "distant_circle", "fast_spin", *SLOW]))
     true = motion(name, tmp_path, 10.0)
     assert true is not None
     raw = cell(name, noise, true, int(rng.integers(1 << 31))).raw
-    plain = smooth(raw)
-    other = smooth(restamped(raw, float(10.0 ** rng.uniform(-2.0, 3.0))))
+    found = smoothed_automatically(raw)
+    plain, other = found.trajectory, smooth(restamped(raw, float(10.0 ** rng.uniform(-2.0, 3.0))))
     assert np.all(off(other, plain) < 0.01 * off(plain, raw) + 1e-6)
+    assert np.all(moved_in_scatters(raw, plain)[found.weights > 0.0] < MOST_MOVED)
 
 
 @pytest.mark.parametrize("rate_hz", [1.0, 2.0, 5.0, 8.0])
