@@ -307,9 +307,9 @@ private:
                                        square(tilt_deviation()), elapsed_);
         if (!heading.known) return;
         Measured read{Kind::heading, 0, 0.0, 0.0, {}, heading.lean};
-        if (faces_ != Faces::north) {  // the first: all that is known
+        if (faces_ != Faces::north) {  // an end of a record tells half as much as it scatters
             faces_ = Faces::north;
-            heading.noise = heading.variance;
+            heading.noise = 2.0 * heading.variance;
         }
         const double angle = std::remainder(heading.angle, 2.0 * HALF_TURN);
         const State h = slope(read, elapsed_, set_);

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuFaults, ImuStream, simulate_imu
+from motorcade.fusion.imu.stream import STANDARD_GRAVITY_M_S2
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.orientation import (
     Orientation,
@@ -152,3 +153,28 @@ def test_a_field_of_zero_says_nothing(ride, smooth):
     np.testing.assert_allclose(
         found.world_R_imu.coefficients, plain.world_R_imu.coefficients, atol=1e-12
     )
+
+
+def test_short_stays_claim_no_more_of_north_than_they_tell(rng):
+    """A still sensor for 6 s beside a disturbance as the model has it: 3° that last for 3 s."""
+    time_s = 0.01 * np.arange(600)
+    still = ImuStream(
+        np.round(1e9 * time_s).astype(np.int64),
+        1e-3 * rng.normal(size=(600, 3)),
+        [0.0, 0.0, STANDARD_GRAVITY_M_S2] + 0.01 * rng.normal(size=(600, 3)),
+    )
+    kept = np.exp(-0.01 / MODEL.field_disturbance_time_s)
+    off, squares = MODEL.field_disturbance_rad * rng.normal(size=400), []
+    angles = np.empty((600, 400))
+    for angle in angles:
+        angle[:] = off
+        new = MODEL.field_disturbance_rad * np.sqrt(1.0 - kept**2) * rng.normal(size=400)
+        off = kept * off + new
+    for angle in angles.T:
+        field = FIELD_UT[1] * np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+        found = estimate_orientation(
+            still, MODEL, magnetic_field=np.column_stack([field, np.full(600, FIELD_UT[2])])
+        )
+        heading = found.world_R_imu[300].as_rotation_vector()[2]
+        squares.append((heading / found.heading_deviation_rad[300]) ** 2)
+    assert np.mean(squares) < 1.0
