@@ -24,10 +24,8 @@ from motorcade.tracking.native._flow import Pyramid, follow_corners
 _NOISE_MASK = np.array([[1.0, -2.0, 1.0], [-2.0, 4.0, -2.0], [1.0, -2.0, 1.0]], np.float32)
 _BLOCK_PX, _ROUNDING = 7, 12.0**-0.5
 """Side of the window about a corner whose gradients count; noise of whole grey levels alone."""
-_WAVE = 0.6
-"""Of a cell, how wide its steps are where black and white follow as a wave: 2 / pi, less a bit."""
-_SOBEL_PX2, _SHARPEST_PX2 = 0.66, 0.25
-"""Variance that Sobel's mask adds to a step's; what a pixel's area and a lens blur at least."""
+_SOBEL_PX2 = 0.66
+"""Variance that Sobel's mask adds to a step's."""
 
 
 def grey_levels(image: GrayImage, px: FloatArray) -> FloatArray:
@@ -131,11 +129,8 @@ def blur_bias_px(image: GrayImage, quads: FloatArray, cell_share: float) -> Floa
     step = cv2.dilate(levels, about) - cv2.erode(levels, about)
     steepest = grey_levels(cv2.dilate(steep, about), quads)
     width_px = np.median(grey_levels(step, quads) / np.maximum(steepest, 1e-3), axis=1)
-    blur_px = np.sqrt(np.maximum(width_px**2 / (2.0 * np.pi) - _SOBEL_PX2, _SHARPEST_PX2))
-    cell_px = cell_share * side_px
-    washed = width_px > _WAVE * cell_px  # nothing stays of cells but a wave: blurred at least so
-    blur_px = np.where(washed, np.maximum(blur_px, cell_px / 3.0), blur_px)
-    return np.asarray(blur_px / 3.0 * np.exp(-((cell_px / blur_px) ** 2) / 12.0))
+    blur_px = np.sqrt(np.maximum(width_px**2 / (2.0 * np.pi) - _SOBEL_PX2, 1e-6))
+    return np.asarray(blur_px / 3.0 * np.exp(-((cell_share * side_px / blur_px) ** 2) / 12.0))
 
 
 def print_noise_px(
@@ -145,11 +140,11 @@ def print_noise_px(
 
     Joins the medians of `corner_noise_px` and `blur_bias_px`; the cells are a marker's, or squares.
 
-    >>> import numpy as np
+    >>> import cv2, numpy as np
     >>> from motorcade.tracking.images import print_noise_px
     >>> image = np.pad(np.zeros((8, 8), np.uint8), 8, constant_values=200)
     >>> quad = np.array([[[8.0, 8.0], [15.0, 8.0], [15.0, 15.0], [8.0, 15.0]]])
-    >>> print_noise_px([image], [quad], 0.125)[1] > 0.1
+    >>> print_noise_px([cv2.blur(image, (5, 5))], [quad], 0.125)[1] > 0.1
     True
     """
     noise_px = corner_noise_px(images, [px.reshape(-1, 2) for px in quads])
