@@ -123,6 +123,34 @@ def unrolled_track(
     return with_pooled_noise(unrolled)
 
 
+def with_unsure_shutter(
+    track: BoardTrack, board: Board, camera: Camera, unsure_s2: FloatArray
+) -> BoardTrack:
+    """The track with what it does not know of the shutter's read-out in its covariances.
+
+    Args:
+        track: of a camera whose read-out was taken out of it, as far as that is known.
+        board: that was tracked.
+        camera: that saw it.
+        unsure_s2: ``(2, 2)`` mean square of what is left of `shutter_s`, s².
+    """
+    path = track.measurements.trajectory
+    counts = [len(seen.ids) for seen in track.observations]
+    view, starts = np.repeat(np.arange(len(counts)), counts), np.cumsum([0, *counts[:-1]])
+    velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), path.motors)[view]
+    points = board.points_m[np.concatenate([seen.ids for seen in track.observations])]
+    px = np.concatenate([seen.corners_px for seen in track.observations])
+    in_camera = path.motors[view].inverse().apply(points)
+    likely_s = np.linalg.cholesky(unsure_s2).T
+    shifts = np.stack([shift_px(camera, in_camera, velocity, px, one) for one in likely_s], -1)
+    by_pose = reproject(camera, in_camera)[1]
+    down = by_pose.swapaxes(-1, -2)
+    square, pull = (np.add.reduceat(down @ other, starts) for other in (by_pose, shifts))
+    moved = np.linalg.solve(square, pull)
+    spread = track.measurements.covariance + moved @ moved.swapaxes(-1, -2)
+    return replace(track, measurements=PoseMeasurements(path, spread))
+
+
 def unrolled_stream(
     stream: CornerStream, path: Trajectory, known: MarkerMap, shutter_s: FloatArray
 ) -> CornerStream:

@@ -275,7 +275,7 @@ def _board_findings(root: Path, change: Callable[[Recording], Recording]) -> Cal
         ]
         tracked = track_board(images, recording.camera, recording.board)
         layout = compare_layout(recording.board, sampled_images(recording), recording.camera)
-        of_camera, _ = audited_board(recording, recording.board, tracked)
+        of_camera, *_ = audited_board(recording, recording.board, tracked, 0.0)
         return of_camera if layout is None else (layout, *of_camera)
 
     return findings

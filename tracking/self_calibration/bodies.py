@@ -23,7 +23,7 @@ from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.self_calibration.lens import LensKind
 from motorcade.tracking.self_calibration.result import SelfCalibrationError
 
-_READOUT_SIGMA_S = 0.03
+READOUT_SIGMA_S = 0.03
 """No sensor reads an image for longer than its frame at 30 Hz lasts."""
 _SAG = 0.01
 """Standard deviation of how far a print's rim lies off its middle's plane, over its half width."""
@@ -192,7 +192,7 @@ class BodyReprojection:
         """How far the numbers are from what is expected, and the weight of that."""
         away, information = self._state.kind.prior(self._state.numbers, self._seen.size)
         away = np.concatenate([away, self._state.readout_s, self._state.bent])
-        others = np.full(2, _READOUT_SIGMA_S**-2.0), np.full(3, _SAG**-2.0)
+        others = np.full(2, READOUT_SIGMA_S**-2.0), np.full(3, _SAG**-2.0)
         both = np.concatenate([information, *others])
         return away, both * self._free.noise_px**2
 

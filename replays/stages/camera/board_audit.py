@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_e
 from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.self_calibration.boards import board_observations
-from motorcade.tracking.self_calibration.bodies import fit, spread_runs
+from motorcade.tracking.self_calibration.bodies import READOUT_SIGMA_S, fit, spread_runs
 from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
 from motorcade.tracking.self_calibration.lens import KINDS
 
@@ -36,21 +37,29 @@ _WORSE_PX, _TIMES = 0.2, 1.5
 
 
 def audited_board(
-    recording: Recording, board: Board, tracked: BoardTrack
-) -> tuple[tuple[AuditFinding, ...], FloatArray | None]:
+    recording: Recording, board: Board, tracked: BoardTrack, noise_px: float
+) -> tuple[tuple[AuditFinding, ...], FloatArray | None, FloatArray]:
     """Compare the camera and its shutter with the tracked board.
 
+    Args:
+        recording: with its camera as stated.
+        board: that was tracked.
+        tracked: where.
+        noise_px: how far corners can scatter, of which residuals may show less.
+
     Returns:
-        the findings; and by how much ``(2,)`` the shutter's read-out is off, as
-        `Recording.shutter_s`, where the images deny it.
+        the findings; by how much ``(2,)`` the shutter's read-out is off, as `Recording.shutter_s`,
+        where the images deny it; and the mean square ``(2, 2)`` of what then is left of it.
     """
     if recording.camera is None:
-        return (), None
-    of_camera, best = _camera(recording.camera, board, tracked, recording.focal_sigma)
+        return (), None, np.zeros((2, 2))
+    of_camera, best = _camera(recording.camera, board, tracked, recording.focal_sigma, noise_px)
     if best is None:
-        return (of_camera,), None
+        return (of_camera,), None, READOUT_SIGMA_S**2 * np.eye(2)
     shutter, off_s = _shutter(recording, best)
-    return (of_camera, shutter), off_s
+    kept = slice(len(best.fit.state.numbers), len(best.fit.state.numbers) + 2)
+    left_s = best.fit.state.readout_s - (0.0 if off_s is None else off_s)
+    return (of_camera, shutter), off_s, best.covariance[kept, kept] + np.outer(left_s, left_s)
 
 
 def _shutter(recording: Recording, best: ChosenFit) -> tuple[AuditFinding, FloatArray | None]:
@@ -131,7 +140,7 @@ def flatness_finding(shape: PrintShape, board: Board, limit_px: float) -> AuditF
 
 
 def _camera(
-    camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float
+    camera: Camera, board: Board, tracked: BoardTrack, found_sigma: float, noise_px: float
 ) -> tuple[AuditFinding, ChosenFit | None]:
     """The camera against what the same corners say, its own lens and read-out being taken.
 
@@ -144,6 +153,7 @@ def _camera(
         tracked: where.
         found_sigma: of the camera's focal length where it was found in these images, relative; 0
             where it was stated.
+        noise_px: how far corners can scatter.
     """
     name, focal = "camera_on_board", float(np.sqrt(camera.fx * camera.fy))
     size = camera.width, camera.height
@@ -171,6 +181,7 @@ def _camera(
     best_px = bent.fit.rms_px
     worse = held.rms_px > max(_TIMES * best_px, best_px + _WORSE_PX)
     best = bent if worse else free
+    best = replace(best, alike=max(best.alike, noise_px / best.fit.sigma_px))
     ratio = float(best.fit.state.numbers[0]) / focal
     sigma = float(np.sqrt(best.covariance[0, 0])) / focal
     off = abs(ratio - 1.0)

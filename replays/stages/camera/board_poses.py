@@ -40,7 +40,7 @@ from motorcade.tracking.checks import GrayImage
 from motorcade.tracking.images import corner_noise_px, print_noise_px
 from motorcade.tracking.markers.families import border_share
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.rolling import unrolled_track
+from motorcade.tracking.rolling import unrolled_track, with_unsure_shutter
 from motorcade.tracking.targets.stated import compare_layout, name_target
 
 log = logging.getLogger("motorcade.camera_poses")
@@ -132,11 +132,11 @@ def board_poses(recording: Recording) -> BoardPoses:
     rolled, shutter_s = tracked, recording.shutter_s
     if recording.readout_s:
         tracked = unrolled_track(rolled, board, camera, shutter_s)
-    audit, off_s = audited_board(recording, board, tracked)
-    if off_s is not None:
-        tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
     seen = [sighted for sighted in rolled.observations if sighted.time_ns in shown]
     noise_px = _noise_px(board, [shown[sighted.time_ns] for sighted in seen], seen)
+    audit, off_s, unsure_s2 = audited_board(recording, board, tracked, noise_px)
+    if off_s is not None:
+        tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
     limit_px = scatter_px(camera, noise_px)
     tracked, corners_m, shape = bent_track(tracked, board.points_m, camera)
     flatness = () if shape is None else (flatness_finding(shape, board, limit_px),)
@@ -147,7 +147,8 @@ def board_poses(recording: Recording) -> BoardPoses:
     audit = (*audit, *flatness)
     warn_of_contradictions(audit)
     audit = (pixels, *before, *audit, *_guessed_turns(board, tracked))
-    on_board = with_least_noise(tracked, noise_px).measurements
+    sure = with_least_noise(tracked, noise_px)
+    on_board = with_unsure_shutter(sure, board, camera, unsure_s2).measurements
     in_world = on_board.trajectory.transformed_by(left=recording.world_T_board)
     return BoardPoses(
         PoseMeasurements(in_world, on_board.covariance),

@@ -98,7 +98,7 @@ def camera_on_board(tilt_rad: float, bent_px: float = 0.0) -> AuditFinding:
     track = BoardTrack(stamps, np.full(count, "tracked"), seen, measured, np.full(count, 0.1))
     frames = Stamps(stamps)
     recording = Recording("drawn", Path(), "images", frames, camera)  # type: ignore[arg-type]
-    (of_camera, *_), _ = audited_board(recording, PRINTED, track)
+    (of_camera, *_), *_ = audited_board(recording, PRINTED, track, 0.1)
     return of_camera
 
 

@@ -9,7 +9,7 @@ from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import refine
-from motorcade.tracking.rolling import unrolled_stream, unrolled_track
+from motorcade.tracking.rolling import unrolled_stream, unrolled_track, with_unsure_shutter
 from tests.end_to_end.phones.sensor import PhoneCamera
 
 BOARD = Checkerboard(8, 5, 0.03)
@@ -82,6 +82,22 @@ def test_a_still_shutter_changes_nothing() -> None:
     unrolled = unrolled_track(track, BOARD, CAMERA, np.zeros(2))
     for one, other in zip(track.observations, unrolled.observations, strict=True):
         assert np.array_equal(one.corners_px, other.corners_px)
+
+
+@pytest.mark.parametrize("shutter_s", READOUTS)
+def test_poses_are_no_surer_than_the_read_out_is(shutter_s: tuple[float, float]) -> None:
+    """Taken as read at once, poses lie tens of their deviations off; some three, knowing that."""
+    track = tracked(filmed(BOARD.points_m, shutter_s))
+    unsure_s2 = np.diag(1e-6 + np.square(shutter_s))
+    unsure = with_unsure_shutter(track, BOARD, CAMERA, unsure_s2)
+    off = track.measurements.trajectory.motors.local(path(1e-9 * TIME_NS))
+    sigmas = [
+        np.sqrt(np.einsum("ni,nij,nj->n", off, np.linalg.inv(one.measurements.covariance), off))
+        for one in (track, unsure)
+    ]
+    assert np.median(sigmas[0]) > 20.0
+    assert np.median(sigmas[1]) < 3.0
+    assert sigmas[1].max() < 10.0  # which how the hand trembles adds: nobody knows how fast
 
 
 def test_markers_corners_are_those_at_the_stamps_and_unknown_ones_stay() -> None:
