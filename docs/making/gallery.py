@@ -258,7 +258,7 @@ def drawn(
     parts: Sequence[PosedPart], size: tuple[int, int] = (1500, 560), azimuth_rad: float = 0.25
 ) -> ImageArray:
     """All parts on the stage."""
-    from motorcade.render.showcase import show_clip
+    from motorcade.render.overlay import show_clip
 
     statue = _statue(parts)
     return next(iter(show_clip(statue, statue.clips[0], size, azimuth_rad=azimuth_rad)))

@@ -33,7 +33,7 @@ from motorcade.animation.vectors import axes_along
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
-from motorcade.render.backends.choice import new_renderer
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import contact_sheet, write_video
 from motorcade.replays.demo.recording import CAMERA

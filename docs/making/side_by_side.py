@@ -25,7 +25,7 @@ from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
-from motorcade.render.backends.choice import new_renderer
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.video import contact_sheet, write_video
 from motorcade.replays.demo.furniture import CHARACTER_HEIGHT_M

@@ -1,7 +1,6 @@
 """Light of a scene: chosen for the viewer, or estimated from the images."""
 
 from motorcade.render.harmonics import harmonics, rotate_harmonics
-from motorcade.render.light.footage import ExposureMeter, lighting_of_footage
 from motorcade.render.light.lamps import (
     above_ground,
     character_lighting,
@@ -9,7 +8,12 @@ from motorcade.render.light.lamps import (
     sun_share,
     sunlight_direction,
 )
-from motorcade.render.light.monocular import ground_of_footage, lighting_without_depth
+from motorcade.render.light.monocular import (
+    ExposureMeter,
+    ground_of_footage,
+    lighting_of_footage,
+    lighting_without_depth,
+)
 from motorcade.render.light.prints import MOST_OVER, PAPER, Prints
 
 __all__ = [

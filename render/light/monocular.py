@@ -1,16 +1,10 @@
-"""Light without depth: how bright, of what colour and from where, by paper, shadows and faces.
+"""Light of footage: from depth where there is some, else by paper, shadows and faces.
 
-A printed board or marker is white paper and black ink, whatever stands around it: it tells how
-bright the light is and of what colour. Where there is no print, colour is guessed by shades of grey
-(Finlayson and Trezzi, "Shades of gray and colour constancy", 2004) and brightness by a scene whose
-mean is middle grey, and half of either guess is believed, for neither is a law. Where the images
-tell where the light comes from (`light_direction`), the sun stands there, and takes as much light
-away as shadows in the footage do; else the light made for the viewer keeps its direction and shape,
-brightened and tinted, and what was missing is said.
-
-Where the light of footage comes from, told without depth: by shadows, faces and shading.
-
-Three things tell, each with its own doubt, and every direction of the sky is weighed by all:
+Without depth, a printed board or marker tells how bright the light is and of what colour. Where
+there is no print, colour is guessed by shades of grey (Finlayson and Trezzi, "Shades of gray and
+colour constancy", 2004) and brightness by a scene whose mean is middle grey; half of either guess
+is believed. Three things tell where light comes from, and every direction of the sky is weighed by
+all:
 
 - shadows beside what stands on the ground (`cast_shadows`) say from which side, not how high;
 - paper on faces of known planes, turned several ways, says how much light each gets: ambient and
@@ -18,7 +12,9 @@ Three things tell, each with its own doubt, and every direction of the sky is we
 - a print on the ground that is brighter towards one side has its light on that side, be it because
   a lamp is near or because ink and paper gleam (weakly, for either may be otherwise).
 
-Where the directions that remain are farther apart than `MOST_DOUBT_RAD` nothing is told but why.
+The sun stands there, and takes as much light away as shadows in the footage do. Where the remaining
+directions are farther apart than `MOST_DOUBT_RAD` the light made for the viewer keeps its direction
+and shape, brightened and tinted, and what was missing is said.
 """
 
 from __future__ import annotations
@@ -34,12 +30,121 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.cast import cast_shadows, things_seen
+from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
 from motorcade.render.light.ground import GroundMap, ground_map
-from motorcade.render.light.lamps import character_lighting, light_on, sunlight_direction
+from motorcade.render.light.lamps import (
+    certainty,
+    character_lighting,
+    estimated_lighting,
+    light_on,
+    sunlight_direction,
+)
 from motorcade.render.light.prints import Prints, light_on_paper
 from motorcade.render.light.sides import CastShadow
-from motorcade.render.scene import DepthArray, ImageArray, Lamp, Lighting, Sun
+from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray, Lamp, Lighting, Sun
 from motorcade.tracking.cameras.camera import Camera
+
+ENOUGH = 500
+"""Points; fewer say more about the sensor than about the light."""
+
+
+def lighting_of_footage(
+    frames: Iterable[tuple[int, ImageArray, DepthArray | None]],
+    camera: Camera,
+    world_T_camera: Trajectory,
+    placement: Placement,
+    height_m: float,
+) -> tuple[Lighting, str] | None:
+    """The light that falls on a placed character, estimated from frames with depth.
+
+    About eight frames, spread over the recording, are enough; every one that is given is used.
+
+    Args:
+        frames: stamp in ns, image, and depth in metres or None.
+        camera: pinhole, of the frames' size.
+        world_T_camera: its path; frames outside its span are passed over.
+        placement: of the character.
+        height_m: of the placed character; surfaces two heights away count half.
+
+    Returns:
+        sun and ambient light, and what of them was assumed; or None where too few points with depth
+        were seen: without depth there are no surfaces to tell light from paint by. Where surfaces
+        hardly tell where light comes from, it comes from where the fixed light does.
+
+    Raises:
+        ValueError: sizes that differ, or a camera with distortion.
+    """
+    parts = []
+    for time_ns, image, depth_m in frames:
+        if depth_m is None:
+            continue
+        if world_T_camera.time_ns[0] <= time_ns <= world_T_camera.time_ns[-1]:
+            pose = world_T_camera.motors_at(np.int64(time_ns))
+            parts.append(shaded_points(as_rgb(image), depth_m, camera, pose))
+    if sum(len(part.points_m) for part in parts) < ENOUGH:
+        return None
+    stand = placement.world_T_character
+    middle = stand.apply(np.array([0.0, 0.0, 0.5 * height_m]))
+    estimate = estimate_light(ShadedPoints.joined(parts), middle, 2.0 * height_m)
+    assumed = sunlight_direction(placement, world_T_camera.motors)
+    sure = certainty(estimate)
+    summary = "light estimated from surfaces with depth"
+    if sure < 1.0:
+        summary += ", its direction assumed" if sure == 0.0 else ", its direction in part assumed"
+    return estimated_lighting(placement, height_m, estimate, assumed), summary
+
+
+POINTS, FEWEST = 400, 40
+LEAST_LIGHT = 0.03
+MOST = 4.0
+"""A camera's exposure changes by no more than this in footage that shows the same ground."""
+
+
+class ExposureMeter:
+    """Exposure of one image after another, 1 for the usual one of a ground's images.
+
+    Where an image shows too little of the ground that is flat and not overexposed, the exposure is
+    held to be that of the image before.
+
+    Args:
+        ground: whose light is compared with.
+
+    >>> import numpy as np
+    >>> from motorcade.ga import Motor
+    >>> from motorcade.render.light import ExposureMeter
+    >>> from motorcade.render.light.ground import GroundMap
+    >>> none, light = np.zeros((8, 8), bool), np.full((8, 8), 0.5)
+    >>> lawn = GroundMap(Motor.identity(), 0.1, light, 0 * light, none, none, 0.1, np.zeros(2))
+    >>> len(ExposureMeter(lawn).points_m)
+    64
+    """
+
+    def __init__(self, ground: GroundMap) -> None:
+        rows, columns = np.nonzero(ground.flat & ~ground.full & (ground.light > LEAST_LIGHT))
+        some = np.unique(np.linspace(0, max(len(rows) - 1, 0), POINTS).astype(int))
+        some = some[: len(rows)]
+        self.points_m = ground.points_m()[rows[some], columns[some]]
+        self._light = ground.light[rows[some], columns[some]]
+        self._last = 1.0
+
+    def gain(self, image: ImageArray, camera: Camera, world_T_camera: Motor) -> float:
+        """Light of an image (h, w) or (h, w, 3) over what it usually is, vignetting aside."""
+        if not len(self.points_m):
+            return self._last
+        own = world_T_camera.inverse().apply(self.points_m)
+        ahead = own[:, 2] > 1e-3
+        if not ahead.any():
+            return self._last
+        x, y = np.rint(camera.project(own[ahead])).astype(np.int64).T
+        inside = (x >= 0) & (y >= 0) & (x < camera.width) & (y < camera.height)
+        shown = image[y[inside], x[inside]]
+        grey = shown.mean(axis=1) if shown.ndim == 2 else shown
+        fit = grey < BRIGHTEST
+        if np.count_nonzero(fit) >= FEWEST:
+            ratio = to_linear(grey[fit] / 255.0) / self._light[ahead][inside][fit]
+            self._last = float(np.clip(np.median(ratio), 1.0 / MOST, MOST))
+        return self._last
+
 
 MIDDLE_GREY = 0.18
 MINKOWSKI = 6.0

@@ -80,7 +80,7 @@ def serve_live(
     with contextlib.ExitStack() as stack:
         stack.callback(session.close)
         if listening.lan and listening.tls is None:
-            from motorcade.replays.studio.certificates import own_certificate
+            from motorcade.replays.studio.serving import own_certificate
 
             tls, fingerprint = stack.enter_context(own_certificate(address_in_network()))
             listening = replace(listening, tls=tls)

@@ -1,39 +1,173 @@
-"""A run's desk: its footage and the session of its scene, as the server asks for them.
+"""A run's desk: what `motorcade author` opens, its images, its first scene, and its film.
 
-The images of a recording as JPEG: encoded when asked for, kept while there is room.
-
-What `motorcade author` opens: a run, a folder of runs, or a scene that lies beside its run.
+A run's scene is taken as it is. A character or a cast becomes objects on the run's own ground,
+without what a scene has no words for: who turned to somebody, or made room for another. The film
+is drawn by the page's own command line, in a process that ends with the server.
 """
 
 from __future__ import annotations
 
 import logging
+import re
 import shlex
+import subprocess
+import sys
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from os.path import relpath
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 
-from motorcade.animation.authoring import scene_text
+from motorcade.animation.authoring import Scene, read_scene, scene_of, scene_text
+from motorcade.animation.authoring.fields import anchor_json
+from motorcade.ga import Motor
+from motorcade.replays.io.readers.manifest.cast import (
+    MANNEQUIN,
+    NOBODY,
+    Cast,
+    CastMember,
+    file_of,
+    read_cast,
+)
 from motorcade.replays.io.recording import FrameSequence
 from motorcade.replays.pipeline.look.document import shown_camera
 from motorcade.replays.pipeline.look.packing import packed, rows_of
-from motorcade.replays.studio.drawing import FilmDrawing
+from motorcade.replays.stages.characters.acted import cast_as
+from motorcade.replays.stages.characters.acting import IDLE, character_named
+from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
 from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
-from motorcade.replays.studio.first_scene import first_scene
 from motorcade.replays.studio.offers import Answer, Offer
 from motorcade.replays.studio.played import PlayedScene
-from motorcade.replays.studio.props import Props, files_beside
+from motorcade.replays.studio.props import GROUND, Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
+
+LONGEST_S = 3600.0
+FILM_NAME = "overlay.mp4"
+_START = (
+    "import os, sys; os.nice(5); from motorcade.replays.cli import main; "
+    "sys.exit(main(sys.argv[1:]))"
+)
+_SHARE = re.compile(r"drawing: .* (\d+) %")
+_LONGEST_LINE = 300
+_drawn_now = threading.Lock()
+"""Held while a film is being drawn."""
+
+
+@dataclass
+class FilmDrawing:
+    """The film of one scene. May be asked by several threads.
+
+    Args:
+        words: of the command line that draws it, the program's name first.
+        folder: that it leaves the film in.
+    """
+
+    words: Sequence[str]
+    folder: Path
+    _process: subprocess.Popen[str] | None = None
+    _said: str = ""
+    _share: float | None = None
+    _failed: str | None = None
+    _scene: Scene | None = None
+    _lock: threading.Lock = field(default_factory=threading.Lock)
+
+    @property
+    def film(self) -> Path | None:
+        """The film that was drawn last, in this session or before; None without."""
+        path = self.folder / FILM_NAME
+        return path if path.is_file() and not path.is_symlink() else None
+
+    def start(self, scene: Scene) -> None:
+        """Begin to draw a scene, whose file is written.
+
+        Raises:
+            ValueError: a film is being drawn already, or there is nobody in the scene.
+            OSError: no process can be started.
+        """
+        if all(scene.part(name).kind == "group" for name in scene.parents):
+            raise ValueError("Nobody is in the scene yet.")
+        if not _drawn_now.acquire(blocking=False):
+            raise ValueError("A film is being drawn already.")
+        try:
+            process = subprocess.Popen(
+                [sys.executable, "-c", _START, *self.words[1:]],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                errors="replace",
+            )
+        except BaseException:
+            _drawn_now.release()
+            raise
+        with self._lock:
+            self._process, self._scene = process, scene
+            self._said, self._share, self._failed = "opening the recording", None, None
+        threading.Thread(target=self._follow, args=(process,), daemon=True).start()
+
+    def stop(self) -> None:
+        """End what is being drawn, if anything is."""
+        with self._lock:
+            process = self._process
+        if process is not None:
+            process.terminate()
+
+    def close(self) -> None:
+        """The same, and wait for it."""
+        with self._lock:
+            process = self._process
+        if process is not None:
+            process.kill()
+            process.wait()
+
+    def state(self, scene: Scene) -> dict[str, Any]:
+        """How far it is, for the page; and whether the film shows the scene as it is now."""
+        film = self.film
+        with self._lock:
+            return {
+                "drawing": self._process is not None,
+                "said": self._said,
+                "share": self._share,
+                "failed": self._failed,
+                "film": None if film is None else str(film.stat().st_mtime_ns),
+                "stale": self._scene is not None and self._scene is not scene,
+            }
+
+    def _follow(self, process: subprocess.Popen[str]) -> None:
+        """Take down what the process says, until it ends."""
+        late = threading.Timer(LONGEST_S, process.kill)
+        late.daemon = True
+        late.start()
+        last = ""
+        try:
+            assert process.stderr is not None  # it was asked for
+            while line := process.stderr.readline(_LONGEST_LINE):
+                last = line.strip() or last
+                share = _SHARE.search(last)
+                with self._lock:
+                    self._said = last
+                    self._share = 0.01 * int(share.group(1)) if share else self._share
+            process.stderr.close()
+            code = process.wait()
+            late.cancel()
+            with self._lock:
+                self._process = None
+                if code < 0:
+                    self._failed = "It was stopped."
+                elif code:
+                    self._failed = last.removeprefix("motorcade: ") or "It could not be drawn."
+        finally:
+            _drawn_now.release()
+
 
 SCENE_NAME = "scene.json"
 
@@ -293,3 +427,116 @@ def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
 
 def _offer(run: Path, scene: Path | None) -> Offer:
     return Offer(run.absolute().name, lambda: open_desk(run, scene))
+
+
+def first_scene(filmed: Filmed, folder: Path) -> Scene:
+    """Those of a run as objects of a scene, or none beside its ground where it put nobody there.
+
+    Args:
+        filmed: the run.
+        folder: of the scene's file, which names others from there.
+
+    Raises:
+        ValueError: a file of the run that cannot be read any more.
+    """
+    placed, knobs = filmed.placed, filmed.knobs
+    if placed is not None and str(knobs.get("scene", NOBODY)) != NOBODY:
+        return _named_from(Path(knobs["scene"]), folder)
+    ground, objects = {GROUND: anchor_json(filmed.first)}, []
+    for entry in [] if placed is None else _entries(filmed, placed):
+        file = entry["file"]
+        own = file if file == MANNEQUIN else relpath(file, folder.absolute())
+        try:
+            scene = scene_of({"anchors": ground, "objects": [{**entry, "file": own}]}, "run")
+            cast_as(scene, entry["name"], folder)
+        except (ValueError, OSError) as fault:
+            log.warning("%s is not in the first scene: %s", entry["name"], fault)
+            continue
+        objects.append({**entry, "file": own})
+    return scene_of({"anchors": ground, "objects": objects}, "run")
+
+
+def _named_from(path: Path, folder: Path) -> Scene:
+    """A scene with its files named from another folder."""
+    scene, old = read_scene(path), path.absolute().parent
+    parts = {
+        name: part
+        if part.file in ("", MANNEQUIN)
+        else replace(part, file=relpath(file_of(part, old), folder.absolute()))
+        for name, part in scene.parts.items()
+    }
+    return replace(scene, parts=parts)
+
+
+def _entries(filmed: Filmed, placed: PlacedCharacter) -> list[dict[str, Any]]:
+    """Entries of a scene file, their files by whole names."""
+    if str(filmed.knobs.get("cast", NOBODY)) != NOBODY:
+        cast: Cast = read_cast(Path(filmed.knobs["cast"]))
+        parts = {part.name: part for part in placed.parts}
+        known = [member for member in cast.members if member.name in parts]
+        plane = filmed.ground(filmed.first).world_T_plane
+        return [_of_cast(member, parts[member.name], plane) for member in known]
+    entry = _standing(placed.character, placed.plane_T_character, filmed.height_m)
+    if placed.clip != IDLE and not len(placed.path_m):
+        entry["clip"] = placed.clip
+    if len(placed.path_m):
+        entry["walk"] = {"path_m": placed.path_m.tolist(), "gaits": [placed.clip]}
+    if placed.up or placed.front or placed.hide:
+        log.warning("the first scene has no words for placed.up, front and hide: %s", entry["file"])
+        return []
+    return [{"name": "character", **entry}]
+
+
+def _standing(character: str, plane_T_character: Motor, height_m: float) -> dict[str, Any]:
+    heading_rad = float(plane_T_character.rotor.as_euler()[2])
+    return {
+        "kind": "character",
+        "file": character if character == MANNEQUIN else str(Path(character).absolute()),
+        "parent": GROUND,
+        "height_m": height_m,
+        "position_m": plane_T_character.translation_m.tolist(),
+        "euler_deg": [0.0, 0.0, float(np.degrees(heading_rad))],
+    }
+
+
+def _of_cast(member: CastMember, part: PlayedPart, plane: Motor) -> dict[str, Any]:
+    """One of a cast: walks as it walked, and layers at the times of its acts."""
+    own = character_named(part.character, part.up, part.front).height_m
+    plane_T_character: Motor = plane.inverse() @ part.placement.world_T_character
+    entry = _standing(member.file, plane_T_character, part.placement.scale * own)
+    entry |= {"name": member.name, "clip": member.idle}
+    x, y = member.path_m[0].tolist()
+    entry["position_m"] = [x, y, 0.0]
+    if len(member.path_m) > 1:
+        starts_s = [state.start_s for state in part.states if state.state == "walk"]
+        entry["walk"] = {
+            "path_m": member.path_m.tolist(),
+            "start_s": min(starts_s, default=member.waits_s),
+            "gaits": list(member.gaits),
+            **({} if member.speed_m_s is None else {"speed_m_s": member.speed_m_s}),
+        }
+    entry["layers"] = _layers(member, part)
+    return entry
+
+
+def _layers(member: CastMember, part: PlayedPart) -> list[Mapping[str, Any]]:
+    """What it did at its goal, and what it did meanwhile, at the times at which it did."""
+    layers: list[Mapping[str, Any]] = []
+    for state in part.states:
+        span = {"start_s": state.start_s, "end_s": state.end_s}
+        if not state.end_s > state.start_s:
+            continue
+        if state.state == "act":
+            layers.append({"clip": state.clip, "joints": "whole", **span})
+        layers += [
+            {
+                "clip": layer.clip,
+                "joints": layer.joints,
+                "weight": layer.weight,
+                "additive": layer.additive,
+                **span,
+            }
+            for layer in member.layers
+            if layer.during == state.state
+        ]
+    return layers

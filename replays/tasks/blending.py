@@ -244,7 +244,7 @@ def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) ->
         return
     if path.suffix != ".mp4":
         raise ValueError(f"--out {path}: expected a name ending in .glb or .mp4")
-    from motorcade.render.showcase import show_clip
+    from motorcade.render.overlay import show_clip
     from motorcade.render.video import write_video
 
     seconds = max(blend.clip.duration_s, 4.0) if blend.clip.looped else None

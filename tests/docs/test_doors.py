@@ -73,7 +73,7 @@ ALLOWED = {
     ("replays/io/readers/readings.py", "archive.open"): "a part of it",
     ("replays/pipeline/results.py", "pages.summary.read_text"): "a cached result, found whole",
     ("replays/live/frames.py", "av.open"): "what the user named: a device, a stream or a pipe",
-    ("replays/cli/live.py", "plan.open"): "a session, of what the doors admit",
+    ("replays/cli/runs.py", "plan.open"): "a session, of what the doors admit",
     ("replays/live/app.py", "plan.open"): "the same",
     ("replays/studio/desk.py", "offer.open"): "a run, read by the doors",
     ("replays/studio/serving.py", "probe.connect"): "no file, and nothing is sent",

@@ -210,7 +210,7 @@ def sheet(blends: list[tuple[str, Blend]], file: Path, moments: int = 12) -> Non
     """Moments of each blend side by side, from ahead and to the left."""
     from PIL import Image
 
-    from motorcade.render.showcase import show_clip
+    from motorcade.render.overlay import show_clip
 
     rows = []
     for _, blend in blends:

@@ -17,8 +17,8 @@ from motorcade.animation.appearance import Appearance, Material, MaterialPart, t
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Surface, render_overlay
-from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_of_footage, lighting_without_depth
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import DepthArray, ImageArray
 from motorcade.replays.demo.furniture import BOARD, Occluders, boxes, irradiance, world_T_board
 from motorcade.replays.demo.recording import CAMERA, HandheldPath

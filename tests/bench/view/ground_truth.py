@@ -25,7 +25,6 @@ from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface, render_overlay
-from motorcade.render.backends.choice import new_renderer
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.light.estimate import (
     LightEstimate,
@@ -34,6 +33,7 @@ from motorcade.render.light.estimate import (
     shaded_points,
 )
 from motorcade.render.light.lamps import estimated_lighting
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.video import contact_sheet

@@ -21,9 +21,9 @@ from motorcade.fusion.smoothing import smooth
 from motorcade.fusion.smoothing.view import steady_view, turned_homography
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.choice import new_renderer
 from motorcade.render.composite import as_rgb, over
 from motorcade.render.lens import LensWarp
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording

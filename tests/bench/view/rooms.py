@@ -24,10 +24,10 @@ from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun, Surface
-from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_without_depth, monocular, sun_share
 from motorcade.render.light.ground import ground_map
 from motorcade.render.light.monocular import LightDirection
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera

@@ -25,8 +25,8 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Surface, render_overlay
-from motorcade.render.backends.choice import new_renderer
 from motorcade.render.light import Prints, lighting_without_depth, sun_share
+from motorcade.render.overlay import new_renderer
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import GRID, ShadowLook, ground_shade
 from motorcade.replays.stages.view.overlay import LIT_FRAMES, _Footage

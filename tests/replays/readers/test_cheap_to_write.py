@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from motorcade.animation.formats import read_character
-from motorcade.animation.formats.gltf.meshes import Meshes
+from motorcade.animation.formats.gltf import Meshes
 from motorcade.animation.formats.limits import MAX_PARTS
 from motorcade.render import write_video
 from motorcade.replays.cli import main

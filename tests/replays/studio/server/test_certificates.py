@@ -6,8 +6,7 @@ import ssl
 import stat
 
 from motorcade.replays.studio.access import Access
-from motorcade.replays.studio.certificates import own_certificate
-from motorcade.replays.studio.serving import Listening, Notice, announce
+from motorcade.replays.studio.serving import Listening, Notice, announce, own_certificate
 
 
 def test_a_certificate_is_made_for_the_address_and_its_fingerprint_is_told() -> None:

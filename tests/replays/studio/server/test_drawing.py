@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from motorcade.animation.authoring import Scene, scene_of
-from motorcade.replays.studio import drawing
-from motorcade.replays.studio.drawing import FilmDrawing
+from motorcade.replays.studio import desk as desk_module
+from motorcade.replays.studio.desk import FilmDrawing
 from tests.replays.studio.server.conftest import running
 from tests.replays.studio.server.stage import Visitor, desk
 
@@ -31,7 +31,7 @@ if (folder / "fail").exists():
 @pytest.fixture
 def film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FilmDrawing:
     """What writes ten bytes as a film once it may."""
-    monkeypatch.setattr(drawing, "_START", DRAWS)
+    monkeypatch.setattr(desk_module, "_START", DRAWS)
     made = FilmDrawing(["motorcade", str(tmp_path)], tmp_path)
     yield made
     made.close()
@@ -81,7 +81,7 @@ def test_a_film_is_started_by_the_page_and_fetched_in_pieces(
     visitor.put()
     out = tmp_path / "scene-film"
     out.mkdir()
-    monkeypatch.setattr(drawing, "_START", DRAWS)
+    monkeypatch.setattr(desk_module, "_START", DRAWS)
     at.drawing.words = ["motorcade", str(out)]
     (out / "go").touch()
     told = visitor.done("film")

@@ -14,7 +14,7 @@ from motorcade.replays.io.readers.manifest.cast import read_cast
 from motorcade.replays.stages.characters.acted import acted
 from motorcade.replays.stages.characters.acting import character_named, played
 from motorcade.replays.stages.values.view import PlacedCharacter
-from motorcade.replays.studio.first_scene import first_scene
+from motorcade.replays.studio.desk import first_scene
 from tests.props import box
 from tests.replays.studio.server.stage import filmed
 
