@@ -7,7 +7,7 @@ from .classical import DualQuaternion as DualQuaternion
 from .classical import EulerPose as EulerPose
 from .classical import QuaternionPose as QuaternionPose
 from .codegen.functions import compile as compile
-from .drawing.image import show as show
+from .drawing import show as show
 from .motion import ScrewPath as ScrewPath
 from .motion import SplineSample as SplineSample
 from .motion import TwistSample as TwistSample

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra import functions
+from motorcade.ga.algebra import exponential, logarithm
 from motorcade.ga.algebra.blade_sum import BladeSum
 from motorcade.ga.algebra.inverse import inverse
 from motorcade.ga.algebra.scalars import checked_scalar, is_zero_somewhere
@@ -81,24 +81,24 @@ class Multivector(BladeSum):
         return self._function(inverse)
 
     def exp(self) -> Multivector:
-        """``1 + x + x²/2! + …``; see `algebra.functions`, as for the four below."""
-        return self._function(functions.exp)
+        """``1 + x + x²/2! + …``; see `algebra.exponential`; `algebra.logarithm` has the others."""
+        return self._function(exponential.exp)
 
     def log(self) -> Multivector:
         """The ``y`` with ``exp y = x`` whose angles are at most π."""
-        return self._function(functions.log)
+        return self._function(logarithm.log)
 
     def sqrt(self) -> Multivector:
         """The ``y`` with ``y y = x`` whose angles are at most π/2."""
-        return self._function(functions.sqrt)
+        return self._function(logarithm.sqrt)
 
     def normalize(self) -> Multivector:
         """``x / √|⟨x ~x⟩₀|``."""
-        return self._function(functions.normalize)
+        return self._function(logarithm.normalize)
 
     def versor(self) -> Multivector:
         """The unit versor that `x` is a disturbed multiple of."""
-        return self._function(functions.versor)
+        return self._function(logarithm.versor)
 
     def _function(self, function: Callable[[Any], Any]) -> Multivector:
         multivector: Multivector = function(self)

@@ -13,9 +13,8 @@ from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.codegen.targets.names import RefusedName, file_identifier
 from motorcade.ga.files import read_bounded
 from motorcade.ga.script import Script, parse
-from motorcade.ga.script.meaning import with_algebra
-from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
-from motorcade.ga.script.variables import first_place
+from motorcade.ga.script.meaning import first_place, with_algebra
+from motorcade.ga.script.syntax import MAX_SCRIPT_CHARACTERS
 
 _LONGEST_CHARACTER_BYTES = 4
 MAX_FILE_BYTES = _LONGEST_CHARACTER_BYTES * MAX_SCRIPT_CHARACTERS

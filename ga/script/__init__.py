@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from motorcade.ga.script.errors import ScriptError
 from motorcade.ga.script.meaning import evaluate
-from motorcade.ga.script.reading.parser import parse
-from motorcade.ga.script.reading.syntax import Script
+from motorcade.ga.script.parser import parse
+from motorcade.ga.script.syntax import Script
 
 __all__ = ["Script", "ScriptError", "evaluate", "parse"]

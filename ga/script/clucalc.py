@@ -17,12 +17,11 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.ga.algebra import Algebra, Multivector
-from motorcade.ga.algebra.functions import elementary
+from motorcade.ga.algebra import Algebra, Multivector, scalars
 from motorcade.ga.algebra.scalars import is_numeric
+from motorcade.ga.script import syntax
 from motorcade.ga.script.functions import FUNCTIONS, computed, scalar_of
 from motorcade.ga.script.functions import operated as operated_on_multivectors
-from motorcade.ga.script.reading import syntax
 
 MAX_ROUNDS = 10_000
 """After which CLUCalc leaves a loop."""
@@ -262,7 +261,7 @@ def _remainder(operator: str, x: Any, y: Any) -> Any:
     if type(x) is float and type(y) is float:
         return math.fmod(x, y)
     ratio = x / y
-    return x - y * elementary.sign(ratio) * elementary.apply("floor", abs(ratio))
+    return x - y * scalars.sign(ratio) * scalars.apply("floor", abs(ratio))
 
 
 def _alike(left: Any, right: Any) -> bool:
@@ -358,7 +357,7 @@ def _power(algebra: Algebra, x: Any, exponent: Any) -> Any:
         base = scalar_of(x)
         if type(base) is float and type(power) is float:
             return algebra.scalar(math.pow(base, power))
-        return algebra.scalar(elementary.apply("power", base, power))
+        return algebra.scalar(scalars.apply("power", base, power))
     count = _whole(exponent, "a power of a multivector")
     if not 0 <= count <= 16:
         raise ValueError(f"expected a power from 0 to 16, got {count}")

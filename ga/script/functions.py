@@ -1,7 +1,7 @@
 """The functions that every script may call, over any scalars.
 
 ``abs`` is ``√|⟨x ~x⟩₀|`` of any multivector, ``invert`` the inverse of any invertible one, and
-``exp log sqrt normalize versor`` are those of `algebra.functions`; ``scalar`` is ``⟨x⟩₀``, and
+``exp log sqrt normalize versor`` are those of `algebra.logarithm`; ``scalar`` is ``⟨x⟩₀``, and
 ``complement uncomplement`` are the duals that need no metric; ``reverse involute conjugate`` change
 signs by grade, ``grade`` and ``coefficient`` take parts. The others take scalars: blades that are
 zero, or that rounding left beside a scalar, do not stop it from being one.
@@ -19,11 +19,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from motorcade.ga.algebra import Algebra, Multivector
-from motorcade.ga.algebra.functions import elementary
-from motorcade.ga.algebra.functions.elementary import where
-from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude
-from motorcade.ga.script.reading.syntax import (
+from motorcade.ga.algebra import Algebra, Multivector, scalars
+from motorcade.ga.algebra.scalars import is_numeric, is_zero_somewhere, magnitude, where
+from motorcade.ga.script.syntax import (
     Binary,
     Call,
     Expression,
@@ -77,7 +75,7 @@ def _vanishes(part: Any, beside: Any) -> bool:
 
 def _elementary(numpy_name: str, arity: int = 1) -> Function:
     """A function of scalars that NumPy has, and symbols by the same name."""
-    return _of_scalars(lambda *values: elementary.apply(numpy_name, *values), arity)
+    return _of_scalars(lambda *values: scalars.apply(numpy_name, *values), arity)
 
 
 def _of_scalars(function: Callable[..., Any], arity: int = 1) -> Function:
@@ -198,10 +196,10 @@ FUNCTIONS: dict[str, Function] = {
     "normalize": _of_multivector("normalize"),
     "reverse": Function(1, lambda x: ~x),
     "scalar": Function(1, lambda x: x.grade(0)),
-    "sign": _of_scalars(elementary.sign),
+    "sign": _of_scalars(scalars.sign),
     "sin": _elementary("sin"),
     "sqrt": _of_multivector("sqrt"),
-    "step": _of_scalars(elementary.step),
+    "step": _of_scalars(scalars.step),
     "tan": _elementary("tan"),
     "uncomplement": Function(1, lambda x: x.uncomplement()),
     "versor": _of_multivector("versor"),

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from motorcade.ga.algebra import Algebra, Multivector
-from motorcade.ga.algebra.functions.commuting import square_of, without_scalar
+from motorcade.ga.algebra.exponential import square_of, without_scalar
 from motorcade.ga.algebra.scalars import is_numeric
-from motorcade.ga.script import clucalc
+from motorcade.ga.script import clucalc, syntax
 from motorcade.ga.script.algebras import AlgebraDefinition, Macros
 from motorcade.ga.script.errors import Place, ScriptError, Source
 from motorcade.ga.script.functions import (
@@ -30,7 +30,6 @@ from motorcade.ga.script.functions import (
     rows_of,
     scalar_of,
 )
-from motorcade.ga.script.reading import syntax
 
 MAX_MACRO_DEPTH = 32
 # Is shown each mark for the image where it is run, with its value; None for a word.

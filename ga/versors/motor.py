@@ -24,7 +24,6 @@ from motorcade.ga.arrays import (
 from motorcade.ga.kernels import MOTORS, ROTORS, parts
 from motorcade.ga.kernels.backend import fast_path
 from motorcade.ga.versors.euler_angles import sequence_operands
-from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import (
     MATRIX_TOLERANCE,
     Rotor,
@@ -32,7 +31,7 @@ from motorcade.ga.versors.rotor import (
     check_rotation,
     euler_of_coefficients,
 )
-from motorcade.ga.versors.versor import Versor
+from motorcade.ga.versors.versor import Operators, Versor
 
 _BOTTOM_ROW = np.array([0.0, 0.0, 0.0, 1.0])
 

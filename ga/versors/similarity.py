@@ -28,9 +28,8 @@ from motorcade.ga.arrays import (
 from motorcade.ga.kernels import SIMILARITIES, parts
 from motorcade.ga.kernels.backend import fast_path
 from motorcade.ga.versors.motor import Motor, check_bottom_row
-from motorcade.ga.versors.operators import Operators
 from motorcade.ga.versors.rotor import MATRIX_TOLERANCE, Rotor, check_rotation
-from motorcade.ga.versors.versor import Versor
+from motorcade.ga.versors.versor import Operators, Versor
 
 # Less defined than this, an element in float64 is as near to one versor as to another far from it.
 _VAGUE = float(np.sqrt(np.finfo(np.float64).eps))

@@ -7,6 +7,8 @@ A tangent is a twist, ``-2 log``: rotation vector (rad), then the translational 
 logarithm of the scale, as many of these as the type has. Small moves act in the versor's own frame,
 on the right: ``a.retract(x) = a @ exp(x)``, ``a.local(b)`` is the twist that takes ``a`` to ``b``.
 
+Two types compose as the one that holds more: a rotor beside a motor is the motor that turns alone.
+
 Leading dimensions are batch and broadcast as those of NumPy arrays do. One rule for precision:
 Arrays and versors are float32 or float64; Python's numbers and lists have
 no precision of their own.
@@ -20,6 +22,7 @@ no precision of their own.
 
 from __future__ import annotations
 
+import operator
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,6 +34,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from motorcade.ga.arrays import (
     UNIT_TOLERANCE,
+    CoefficientBatch,
     FloatArray,
     broadcast_batch,
     checked_floats,
@@ -40,7 +44,86 @@ from motorcade.ga.arrays import (
 )
 from motorcade.ga.kernels.backend import fast_path, register_versor
 from motorcade.ga.kernels.batches import VersorKernels
-from motorcade.ga.versors.operators import Operators
+from motorcade.ga.notation import ShownAsSum
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Operators(CoefficientBatch, ShownAsSum):
+    """Operators in terms of the verbs, which `Versor` brings.
+
+    >>> from motorcade.ga import Motor, Rotor
+    >>> half = Rotor.from_rotation_vector([0.0, 0.0, 1.0]) ** 0.5
+    >>> half == ~(half**-1), half in [None, half]
+    (True, True)
+    >>> type(half @ Motor.from_translation([1.0, 0.0, 0.0])).__name__
+    'Motor'
+    """
+
+    @classmethod
+    @abstractmethod
+    def _trusted(cls, coefficients: FloatArray) -> Self: ...
+
+    @abstractmethod
+    def __matmul__(self, other: Self) -> Self: ...
+
+    @abstractmethod
+    def inverse(self) -> Self:
+        """The motion undone."""
+
+    @abstractmethod
+    def _power(self, fraction: ArrayLike) -> Self: ...
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same value: of one type, precision and shape, coefficient by
+        coefficient. ``S`` and ``-S`` are one motion and numbers round: `isclose` compares motions.
+        """
+        if not isinstance(other, Operators):
+            return NotImplemented
+        a, b = self.coefficients, other.coefficients
+        return type(self) is type(other) and a.dtype == b.dtype and np.array_equal(a, b)
+
+    def __hash__(self) -> int:
+        numbers = self.coefficients + 0.0  # -0 and 0 are equal
+        return hash((type(self), numbers.shape, numbers.dtype.str, numbers.tobytes()))
+
+    def __rmatmul__(self, other: Operators) -> Any:
+        """Compose with another type: both are taken as the one that holds more."""
+        if not isinstance(other, Operators):
+            return NotImplemented
+        if self._size > other._size:
+            return self._promoted(other) @ self
+        return other @ other._promoted(self)
+
+    @classmethod
+    def _promoted(cls, versor: Operators) -> Self:
+        """A versor of a type that holds less as one of this type."""
+        raise TypeError(f"{cls.__name__}: holds no {type(versor).__name__}")
+
+    def __mul__(self, other: Operators) -> Any:
+        """The geometric product, which composes: the same as ``@``."""
+        return operator.matmul(self, other) if isinstance(other, Operators) else NotImplemented
+
+    def __invert__(self) -> Self:
+        """The reverse, which of unit versors is the inverse."""
+        return self.inverse()
+
+    def __neg__(self) -> Self:
+        """The same motion by coefficients of the other sign."""
+        return self._trusted(-self.coefficients)
+
+    def __pow__(self, fraction: ArrayLike) -> Self:
+        """A part of the motion: ``S ** 0.5`` twice is ``S``, ``S ** -1`` its inverse."""
+        return self._power(fraction)
+
+    def __format__(self, spec: str) -> str:
+        """The sum of blades, its coefficients written by `spec`, as ``.3f``."""
+        shown = self._shown()
+        if not spec or shown is None:
+            return repr(self)
+        return " ".join(
+            f"{value:+{spec}}" + ("" if blade == "1" else f" {blade}") for blade, value in shown
+        )
+
 
 # Below this sine of half the angle the long way round has lost its axis.
 _LONG_WAY_SINE = 1e-7

@@ -37,11 +37,11 @@ ALLOWED = {
     ("ga/codegen/targets/c_elementary.py", "_SUPPORT.read_text"): "our own source",
     ("ga/codegen/targets/names.py", "_TABLE.read_text"): "our own source",
     (
-        "ga/codegen/runtime/compiler.py",
+        "ga/codegen/runtime/evaluator.py",
         "os.open",
     ): "a library of our own, looked at before it is read",
-    ("ga/codegen/runtime/compiler.py", "os.fdopen"): "a library of our own, see above",
-    ("ga/codegen/runtime/compiler.py", "library_file.read_bytes"): "what was just compiled",
+    ("ga/codegen/runtime/evaluator.py", "os.fdopen"): "a library of our own, see above",
+    ("ga/codegen/runtime/evaluator.py", "library_file.read_bytes"): "what was just compiled",
     (
         "ga/drawing/svg.py",
         "(Path(__file__).parent / 'turning.js').read_text",

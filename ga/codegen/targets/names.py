@@ -1,5 +1,8 @@
 """Names from scripts in generated code: those that a language needs for itself are refused.
 
+The words that languages keep are in ``reserved.toml``. `typed` keeps conditions and numbers of a
+tape apart, for languages in which true is no number.
+
 A variable becomes a parameter of its own name, the script's file name becomes the function's.
 Outputs get names of their own making (``out_A``), or are text in dictionaries.
 """
@@ -10,10 +13,11 @@ import keyword
 import re
 import tomllib
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from motorcade.ga.codegen.programs import Program
+from motorcade.ga.codegen.tape import BOOLEANS, Node, Tape
 from motorcade.ga.codegen.targets.shared.text import SAME_NAMES, variables
 
 C_FUNCTIONS = SAME_NAMES | {"abs": "fabs", "min": "fmin", "max": "fmax"}
@@ -126,3 +130,65 @@ def _refused(
     while free == name or reserved.keeps(free) or free in taken:
         free += "_" if not free.endswith("_") else "0"
     return RefusedName(name, f"{what} {name} {why}: rename {name} to {free}")
+
+
+_FUNCTIONS = frozenset(SAME_NAMES) | {"abs", "min", "max"}
+
+
+# Parameters are patterns in Rust: those named as a constructor of its prelude would match it.
+RUST_NAMES = Reserved("Rust", reserved_words("rust"), frozenset({"main"}))
+JAVASCRIPT_NAMES = Reserved("JavaScript", reserved_words("javascript"))
+JULIA_NAMES = Reserved("Julia", _FUNCTIONS | reserved_words("julia"))
+WGSL_NAMES = Reserved(
+    "WGSL", _FUNCTIONS | reserved_words("wgsl"), frozenset({"main"}), underscores=True
+)
+CPP_NAMES = replace(C_NAMES, words=C_NAMES.words | {"std"})
+
+
+_LOGIC = frozenset({"and", "or", "not"})
+
+
+def typed(tape: Tape) -> Tape:
+    """The same tape where choices and logic take conditions only, and all else takes numbers.
+
+    A condition that is used as a number becomes the choice of 1 or 0, a number that is used as a
+    condition is compared with 0.
+    """
+    nodes: list[Node] = []
+    numbers: list[int] = []
+    conditions: dict[int, int] = {}
+    known: dict[Node, int] = {}
+
+    def add(node: Node) -> int:
+        if node not in known:
+            known[node] = len(nodes)
+            nodes.append(node)
+        return known[node]
+
+    def condition(old: int) -> int:
+        if old not in conditions:
+            zero = add(Node("const", value=0.0))
+            conditions[old] = add(Node("ne", (numbers[old], zero)))
+        return conditions[old]
+
+    def number(old: int) -> int:
+        if numbers[old] < 0:
+            ends = add(Node("const", value=1.0)), add(Node("const", value=0.0))
+            numbers[old] = add(Node("select", (conditions[old], *ends)))
+        return numbers[old]
+
+    for old, node in enumerate(tape.nodes):
+        args = tuple(
+            condition(k) if node.op in _LOGIC or (place == 0 and _chooses(node)) else number(k)
+            for place, k in enumerate(node.args)
+        )
+        new = add(Node(node.op, args, node.value, node.source))
+        numbers.append(new)
+        if node.op in BOOLEANS:
+            conditions[old], numbers[old] = new, -1
+    results = tuple(tuple(number(k) for k in row) for row in tape.results)
+    return Tape(tape.inputs, tape.outputs, tuple(nodes), results)
+
+
+def _chooses(node: Node) -> bool:
+    return node.op in ("select", "keep")

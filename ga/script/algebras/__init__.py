@@ -32,8 +32,8 @@ from motorcade.ga.algebra.signature import MAX_DIMENSION
 from motorcade.ga.files import FileError, read_bounded
 from motorcade.ga.script.errors import MAX_IMPORTED_BYTES, path_below, text_of
 from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function
-from motorcade.ga.script.reading.parser import parse
-from motorcade.ga.script.reading.syntax import Call, Macro, Screen, Script
+from motorcade.ga.script.parser import parse
+from motorcade.ga.script.syntax import Call, Macro, Screen, Script
 
 __all__ = ["AlgebraDefinition", "definition_of", "definitions", "read_definition"]
 

@@ -9,8 +9,9 @@ import pytest
 import scipy.linalg
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
-from motorcade.ga.algebra.functions import exp, log, normalize, sqrt, versor
-from motorcade.ga.algebra.functions.elementary import apply, sign, step, where
+from motorcade.ga.algebra.exponential import exp
+from motorcade.ga.algebra.logarithm import log, normalize, sqrt, versor
+from motorcade.ga.algebra.scalars import apply, sign, step, where
 from tests.ga.cases import over
 
 Generator = np.random.Generator

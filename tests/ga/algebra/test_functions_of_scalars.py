@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga.algebra import CGA3, EGA3, PGA3, Algebra, Multivector
-from motorcade.ga.algebra.functions import exp, log, normalize, sqrt, versor
+from motorcade.ga.algebra.exponential import exp
+from motorcade.ga.algebra.logarithm import log, normalize, sqrt, versor
 
 FUNCTIONS: dict[str, Callable[[Multivector], Multivector]] = {
     "exp": exp,

@@ -15,8 +15,8 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 import casadi as ca
 
+from motorcade.ga.codegen.__main__ import GENERATED
 from motorcade.ga.codegen.library_kernels.kernel import Kernel, collected
-from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.recording import trace
 from motorcade.ga.codegen.tape import Operand

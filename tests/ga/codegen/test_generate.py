@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.ga.codegen.generate import STRATEGIES, generate, read_script
-from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS
+from motorcade.ga.script.syntax import MAX_SCRIPT_CHARACTERS
 
 pytest.importorskip("casadi")
 TEXT = "?y = a*b;"

@@ -7,8 +7,8 @@ import pytest
 pytest.importorskip("casadi", reason="CasADi, which only the generator needs, is not installed")
 pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is not installed")
 
-from motorcade.ga.codegen.library_kernels import library
-from motorcade.ga.codegen.library_kernels.library import (
+from motorcade.ga.codegen import __main__ as library
+from motorcade.ga.codegen.__main__ import (
     GENERATED,
     library_files,
     write_library,

@@ -16,8 +16,8 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 import casadi as ca
 import mpmath
 
+from motorcade.ga.codegen.__main__ import GENERATED
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
-from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.library_kernels.powers_of_two import exponent, power_of_two
 from motorcade.ga.codegen.precision import PRECISIONS, SINGLE, Precision
 from motorcade.ga.codegen.recording import trace

@@ -17,7 +17,7 @@ from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.codegen.strategies import product, table
 from motorcade.ga.codegen.targets import c
 from motorcade.ga.script import Script, evaluate, parse
-from motorcade.ga.script.reading.syntax import RangePragma
+from motorcade.ga.script.syntax import RangePragma
 
 COMPILER = shutil.which("gcc") or shutil.which("cc")
 WARNINGS = ["-std=c99", "-pedantic", "-O2", "-Wall", "-Wextra", "-Werror"]

@@ -14,8 +14,8 @@ pytest.importorskip("mpmath", reason="mpmath, which only the generator needs, is
 
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.codegen.__main__ import GENERATED
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
-from motorcade.ga.codegen.library_kernels.library import GENERATED
 from motorcade.ga.codegen.precision import DOUBLE
 from motorcade.ga.codegen.tape import Operand
 from motorcade.ga.codegen.targets.shared.expressions import Branch, branched

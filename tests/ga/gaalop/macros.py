@@ -17,8 +17,8 @@ import numpy as np
 from motorcade.ga.algebra import Multivector
 from motorcade.ga.script import ScriptError, parse
 from motorcade.ga.script.algebras import AlgebraDefinition, definitions
-from motorcade.ga.script.reading.syntax import Call, Macro
 from motorcade.ga.script.run import Run
+from motorcade.ga.script.syntax import Call, Macro
 from tests.ga.gaalop.scripts import compared
 
 ROUNDS = 3

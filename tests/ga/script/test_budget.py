@@ -8,8 +8,8 @@ import pytest
 
 from motorcade.ga.algebra import CGA3, Multivector
 from motorcade.ga.script import parse
-from motorcade.ga.script.reading.syntax import Assignment, Expression
 from motorcade.ga.script.run import MAX_STEPS, MAX_TERMS, Budget
+from motorcade.ga.script.syntax import Assignment, Expression
 
 
 class Counted:

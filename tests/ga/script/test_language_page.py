@@ -7,10 +7,10 @@ import pytest
 
 from motorcade.ga.script import ScriptError, evaluate, parse
 from motorcade.ga.script.algebras import definitions
+from motorcade.ga.script.expressions import MAX_ARGUMENTS, MAX_NESTING, MAX_OPERATIONS
 from motorcade.ga.script.functions import FUNCTIONS
-from motorcade.ga.script.reading.expressions import MAX_ARGUMENTS, MAX_NESTING, MAX_OPERATIONS
-from motorcade.ga.script.reading.lexer import MAX_SCRIPT_CHARACTERS, MAX_TOKENS
 from motorcade.ga.script.run import MAX_MACRO_DEPTH, MAX_STEPS, MAX_TERMS
+from motorcade.ga.script.syntax import MAX_SCRIPT_CHARACTERS, MAX_TOKENS
 
 DOCS = Path(__file__).parents[3] / "docs"
 PAGE = (DOCS / "cluscript.md").read_text()

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from motorcade.ga import compile as compile_program
-from motorcade.ga.codegen.runtime import compiler, evaluator
-from motorcade.ga.codegen.runtime.compiler import CompileError, Compiler, find_compiler
+from motorcade.ga.codegen.runtime import evaluator
+from motorcade.ga.codegen.runtime.evaluator import CompileError, Compiler, find_compiler
 
 SCRIPT = "?a = x*y*e1 + sin(x)*e2;"
 RUN = f"""
@@ -66,7 +66,7 @@ def test_a_changed_library_is_compiled_again(fault: str, compiled: Path, tmp_pat
     (again,) = compiled.glob("*.so")
     assert not again.is_symlink()
     assert again.stat().st_mode & 0o777 == 0o500
-    assert compiler._is_whole(again)
+    assert evaluator._is_whole(again)
 
 
 def test_a_folder_that_others_may_write_into_is_not_used(
@@ -86,12 +86,12 @@ def test_a_file_in_the_folders_place_is_no_obstacle(compiled: Path) -> None:
 
 
 def test_the_oldest_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compiler, "MOST_BYTES", 250)
-    kept = [compiler.keep_library(tmp_path, f"key{k}", bytes([k]) * 100) for k in range(2)]
+    monkeypatch.setattr(evaluator, "MOST_BYTES", 250)
+    kept = [evaluator.keep_library(tmp_path, f"key{k}", bytes([k]) * 100) for k in range(2)]
     for age, path in enumerate(kept):
         os.utime(path, ns=(0, 10**9 * (10 - age)))
-    assert compiler.cached_library(tmp_path, "key1") == kept[1], "what is used is young again"
-    newest = compiler.keep_library(tmp_path, "key2", b"z" * 100)
+    assert evaluator.cached_library(tmp_path, "key1") == kept[1], "what is used is young again"
+    newest = evaluator.keep_library(tmp_path, "key2", b"z" * 100)
     assert sorted(tmp_path.iterdir()) == sorted([kept[1], newest])
 
 

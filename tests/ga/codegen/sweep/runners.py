@@ -19,8 +19,8 @@ from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.strategies import table
 from motorcade.ga.codegen.targets import TARGETS
 from motorcade.ga.notation import name_text
-from tests.ga.codegen.targets.languages.test_latex import read as read_latex
-from tests.ga.codegen.targets.languages.test_read_languages import read_julia, read_wgsl
+from tests.ga.codegen.targets.test_latex import read as read_latex
+from tests.ga.codegen.targets.test_read_languages import read_julia, read_wgsl
 from tests.ga.gaalop.languages import LANGUAGES
 from tests.ga.gaalop.scripts import Values
 from tests.ga.gaalop.targets import COMPILER, RUNNERS, Prepared, Results, in_c, named

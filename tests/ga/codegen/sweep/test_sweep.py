@@ -8,9 +8,8 @@ pytest.importorskip("casadi", reason="CasADi, which only code generation needs, 
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.programs import compile_script
-from motorcade.ga.codegen.targets import TARGETS, c_batch
+from motorcade.ga.codegen.targets import TARGETS, c_batch, check_text
 from motorcade.ga.codegen.targets.names import RefusedName
-from motorcade.ga.codegen.targets.shared.reader import check_text
 from motorcade.ga.script import parse
 from tests.ga.codegen.sweep.__main__ import Swept, sweep
 from tests.ga.codegen.sweep.runners import WAYS

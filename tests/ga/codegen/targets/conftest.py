@@ -18,7 +18,7 @@ pytest.importorskip("casadi", reason="CasADi, which only code generation needs, 
 
 from motorcade.ga.codegen.programs import Program, compile_script
 from motorcade.ga.script import evaluate, parse
-from motorcade.ga.script.reading.syntax import RangePragma
+from motorcade.ga.script.syntax import RangePragma
 
 ROWS = 10_000
 DOCS = Path(__file__).resolve().parents[4] / "docs" / "scripts"

@@ -22,10 +22,10 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from motorcade.ga.script import syntax
 from motorcade.ga.script.errors import Imports, Place, Source
-from motorcade.ga.script.reading import syntax
-from motorcade.ga.script.reading.expressions import Cursor, parse_expression
-from motorcade.ga.script.reading.lexer import Token, tokenize
+from motorcade.ga.script.expressions import Cursor, parse_expression
+from motorcade.ga.script.syntax import Token, tokenize
 
 MAX_BLOCKS = 20
 _MARKS = ("?", "!", ":")

@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.targets.languages import cpp_function, javascript, rust
+from motorcade.ga.codegen.targets import cpp_function, javascript, rust
 from motorcade.ga.script import parse
 from tests.ga.codegen.targets.conftest import scripts
 

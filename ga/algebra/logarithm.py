@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from motorcade.ga.algebra.blade_sum import BladeSum
-from motorcade.ga.algebra.functions.commuting import (
+from motorcade.ga.algebra.exponential import (
     Square,
     any_holds,
     commuting_product,
@@ -37,15 +37,15 @@ from motorcade.ga.algebra.functions.commuting import (
     weights,
     without_scalar,
 )
-from motorcade.ga.algebra.functions.elementary import (
+from motorcade.ga.algebra.scalars import (
     apply,
     arctangent,
     larger,
+    magnitude,
     power_series,
     signed,
     where,
 )
-from motorcade.ga.algebra.scalars import magnitude
 
 _NEAR = 0.02
 _TERMS = 10

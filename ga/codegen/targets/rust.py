@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.targets.languages.words import RUST_NAMES, typed
-from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.names import RUST_NAMES, check_names, typed
 from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.codegen.targets.shared.expressions import statements

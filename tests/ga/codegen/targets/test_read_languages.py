@@ -9,11 +9,11 @@ import pytest
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.targets.languages import julia, wgsl
-from motorcade.ga.codegen.targets.languages.words import typed
+from motorcade.ga.codegen.targets import julia, wgsl
+from motorcade.ga.codegen.targets.names import typed
 from motorcade.ga.script import parse
 from tests.ga.codegen.conftest import Nodes
-from tests.ga.codegen.targets.languages.reader import Expressions
+from tests.ga.codegen.targets.reader import Expressions
 
 NAMED = {
     "sqrt": np.sqrt, "abs": np.abs, "floor": np.floor, "ceil": np.ceil, "min": np.minimum,

@@ -11,8 +11,7 @@ from __future__ import annotations
 from motorcade.ga.codegen.precision import SINGLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Tape
-from motorcade.ga.codegen.targets.languages.words import WGSL_NAMES, typed
-from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.names import WGSL_NAMES, check_names, typed
 from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import array_slots, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements

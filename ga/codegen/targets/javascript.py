@@ -11,8 +11,7 @@ from collections.abc import Sequence
 
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.targets.languages.words import JAVASCRIPT_NAMES
-from motorcade.ga.codegen.targets.names import check_names
+from motorcade.ga.codegen.targets.names import JAVASCRIPT_NAMES, check_names
 from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import comment, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements

@@ -8,7 +8,7 @@ import pytest
 
 from motorcade.ga.codegen.precision import SINGLE
 from motorcade.ga.codegen.programs import compile_script
-from motorcade.ga.codegen.targets.languages import latex
+from motorcade.ga.codegen.targets import latex
 from motorcade.ga.notation import name_text
 from motorcade.ga.script import parse
 

@@ -14,7 +14,7 @@ from itertools import count
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.tape import Node, Tape
-from motorcade.ga.codegen.targets.languages.words import typed
+from motorcade.ga.codegen.targets.names import typed
 from motorcade.ga.codegen.targets.shared.expressions import component_name
 from motorcade.ga.codegen.targets.shared.text import description
 from motorcade.ga.notation import blade_text, name_text, number_text

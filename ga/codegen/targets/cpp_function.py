@@ -10,8 +10,7 @@ from __future__ import annotations
 from motorcade.ga.codegen.passes.rows import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.targets.languages.words import CPP_NAMES
-from motorcade.ga.codegen.targets.names import C_FUNCTIONS, check_names
+from motorcade.ga.codegen.targets.names import C_FUNCTIONS, CPP_NAMES, check_names
 from motorcade.ga.codegen.targets.shared import text
 from motorcade.ga.codegen.targets.shared.c_family import comment, declarations, indented
 from motorcade.ga.codegen.targets.shared.expressions import statements

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.targets.languages import wgsl
+from motorcade.ga.codegen.targets import wgsl
 from tests.ga.codegen.targets.conftest import Case, scripts
 
 CHROMIUM = (

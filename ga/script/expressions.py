@@ -12,9 +12,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from motorcade.ga.script import syntax
 from motorcade.ga.script.errors import Place, ScriptError, Source
-from motorcade.ga.script.reading import syntax
-from motorcade.ga.script.reading.lexer import Token
+from motorcade.ga.script.syntax import Token
 
 MAX_NESTING = 200
 MAX_ARGUMENTS = 100
