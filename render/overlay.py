@@ -20,7 +20,7 @@ from motorcade.render.backends.fast.renderer import FastRenderer
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import Matching
-from motorcade.render.figures import Performer
+from motorcade.render.figures import FigureSeen, Performer
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
@@ -31,7 +31,6 @@ from motorcade.render.light import (
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import AnyFrame, FilmStage
-from motorcade.render.visibility import FigureSeen
 from motorcade.tracking.cameras.camera import Camera
 
 RendererName = Literal["fast", "pyrender"]

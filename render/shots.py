@@ -35,7 +35,7 @@ from motorcade.render.composite import (
     over,
     seen_share,
 )
-from motorcade.render.figures import DrawnFigure, Performer, lit_together
+from motorcade.render.figures import DrawnFigure, FigureSeen, Performer, figures_seen, lit_together
 from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, plane_homography, seen_extent
 from motorcade.render.light import MOST_OVER, PAPER, ExposureMeter, Prints, light_on
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
@@ -48,7 +48,6 @@ from motorcade.render.shadow import (
     shade_extent,
     shade_in_image,
 )
-from motorcade.render.visibility import FigureSeen, figures_seen
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.masks import fill_masked, standing_depth
 

@@ -1,6 +1,7 @@
 """Light of a scene: chosen for the viewer, or estimated from the images."""
 
-from motorcade.render.harmonics import harmonics, rotate_harmonics
+from motorcade.render.light.estimate import harmonics, rotate_harmonics
+from motorcade.render.light.ground import MOST_OVER, PAPER, Prints
 from motorcade.render.light.lamps import (
     above_ground,
     character_lighting,
@@ -14,7 +15,6 @@ from motorcade.render.light.monocular import (
     lighting_of_footage,
     lighting_without_depth,
 )
-from motorcade.render.light.prints import MOST_OVER, PAPER, Prints
 
 __all__ = [
     "MOST_OVER",

@@ -16,8 +16,7 @@ import numpy as np
 from motorcade.animation import Placement
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.harmonics import harmonics, irradiance_factors
-from motorcade.render.light.estimate import LightEstimate
+from motorcade.render.light.estimate import LightEstimate, harmonics, irradiance_factors
 from motorcade.render.scene import Lamp, Lighting, Sun
 
 # Share of each direction in where the light comes from: up, towards the viewer, viewer's left.

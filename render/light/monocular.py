@@ -31,7 +31,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
 from motorcade.render.light.cast import cast_shadows, things_seen
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
-from motorcade.render.light.ground import GroundMap, ground_map
+from motorcade.render.light.ground import GroundMap, Prints, ground_map, light_on_paper
 from motorcade.render.light.lamps import (
     certainty,
     character_lighting,
@@ -39,7 +39,6 @@ from motorcade.render.light.lamps import (
     light_on,
     sunlight_direction,
 )
-from motorcade.render.light.prints import Prints, light_on_paper
 from motorcade.render.light.sides import CastShadow
 from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray, Lamp, Lighting, Sun
 from motorcade.tracking.cameras.camera import Camera

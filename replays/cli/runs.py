@@ -29,7 +29,7 @@ from motorcade.replays.cli.arguments import (
 )
 
 if TYPE_CHECKING:
-    from motorcade.replays.live.opening import LivePlan
+    from motorcade.replays.live.session import LivePlan
     from motorcade.replays.pipeline.job import Job
 
 STDIN = "/dev/stdin"
@@ -484,7 +484,7 @@ def live(arguments: argparse.Namespace) -> None:
     if not arguments.no_page:
         _serve(plan, arguments)
         return
-    from motorcade.replays.live.opening import track_without_page
+    from motorcade.replays.live.session import track_without_page
 
     session, frames = plan.open()
     if frames is None:
@@ -504,7 +504,7 @@ def live(arguments: argparse.Namespace) -> None:
 def _plan(arguments: argparse.Namespace) -> LivePlan:
     """What the options ask for."""
     from motorcade.replays.io.readers.manifest.section import read_board, read_camera
-    from motorcade.replays.live.opening import LivePlan
+    from motorcade.replays.live.session import LivePlan
     from motorcade.replays.live.tracker import FirstMarker, Target
 
     target: Target | None = None

@@ -38,7 +38,7 @@ from statistics import median
 from typing import Any
 
 from motorcade.ga.names import one_line
-from motorcade.render.plots.strips import strip
+from motorcade.render.plots.errors import strip
 from motorcade.render.plots.style import ON_PAGES
 from motorcade.replays.engine.graph import Graph, parse_knobs
 from motorcade.replays.engine.jobs import job_key, run_jobs

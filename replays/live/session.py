@@ -1,27 +1,148 @@
 """One camera's live session: each frame tracked, drawn upon, measured and recorded.
 
-Not for two threads at once: whoever serves it takes frames and gestures in one thread.
+Not for two threads at once: whoever serves it takes frames and gestures in one thread. What is kept
+is an ordinary recording, which `motorcade run` replays:
+
+    frames/000000.png …   every frame that was tracked, without loss
+    stamps.txt            their stamps, ns
+    motorcade.toml        camera, board, and the scene where somebody was stood on it
+    scene.json            the figure as it stood last
+    live.jsonl            a line a frame (state, world_T_camera, held-out distances) or gesture
+
+With a camera that was stated, a run's poses by the board are the live ones bit for bit: it tracks
+the same images in the same order. With one that was found on the way they are those of that camera.
 """
 
 from __future__ import annotations
 
+import json
 import math
+import threading
 import time
 from collections import Counter, OrderedDict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.files import write_bytes
+from motorcade.replays.io.readers.manifest.section import board_toml, camera_toml
 from motorcade.replays.live.figure import LiveFigure, on_ground
-from motorcade.replays.live.frames import LiveFrame
-from motorcade.replays.live.record import LiveRecorder
-from motorcade.replays.live.tracker import LivePose, LiveTracker
+from motorcade.replays.live.frames import LiveFrame, kind_of, newest, open_frames, paced
+from motorcade.replays.live.tracker import FirstMarker, LivePose, LiveTracker, Target
 from motorcade.replays.pipeline.look.document import shown_camera
 from motorcade.replays.pipeline.look.packing import rows_of
 from motorcade.replays.studio.visitors import number_of, pixels_of
+from motorcade.tracking import Board, Camera
+
+if TYPE_CHECKING:
+    from motorcade.replays.io.recording import Recording
+
+MOST_FRAMES = 36_000
+"""Twenty minutes at 30 a second; recording then ends, and the page says so."""
+_WAITING = 32
+
+
+class LiveRecorder:
+    """Writes what a session takes in and gives; FileExistsError where the folder holds anything."""
+
+    def __init__(self, folder: Path) -> None:
+        folder.mkdir(parents=True, exist_ok=True)
+        if any(folder.iterdir()):
+            raise FileExistsError(f"{folder}: expected an empty folder for the recording")
+        (folder / "frames").mkdir()
+        self.folder = folder
+        self.count = 0
+        self._size: tuple[int, ...] | None = None
+        self._stamps = (folder / "stamps.txt").open("w", encoding="ascii", buffering=1)
+        self._lines = (folder / "live.jsonl").open("w", encoding="utf-8", buffering=1)
+        self._writer = ThreadPoolExecutor(1, "recorder")
+        self._room = threading.Semaphore(_WAITING)
+        self._fault: BaseException | None = None
+
+    @property
+    def status(self) -> str:
+        """What is recorded, for people; also why it is not any more."""
+        if self._fault is not None:
+            return f"not recorded any more: {self._fault}"
+        if self.count >= MOST_FRAMES:
+            return f"not recorded any more: {MOST_FRAMES} frames are there"
+        return f"recorded: {self.count} frames in {self.folder}"
+
+    def took(self, frame: LiveFrame, pose: LivePose) -> None:
+        """Keep a frame and its pose; waits where the disk is slower than the camera."""
+        if self._fault is not None or self.count >= MOST_FRAMES:
+            return
+        if self._size not in (None, frame.image.shape):
+            self._fault = ValueError("images of another size came")
+            return
+        self._size = frame.image.shape
+        number, self.count = self.count, self.count + 1
+        self._room.acquire()
+        self._writer.submit(self._write, number, frame)
+        motor = pose.world_T_camera
+        known = {key: getattr(pose, key) for key in ("time_ns", "state", "measured")}
+        row = None if motor is None else rows_of(motor).tolist()
+        off_px = pose.held_out_px.round(3).tolist()
+        self.note({**known, "world_T_camera": row, "held_out_px": off_px})
+
+    def note(self, line: Mapping[str, Any]) -> None:
+        """Keep a line of what happened."""
+        self._lines.write(json.dumps(line) + "\n")
+
+    def close(self, tracker: LiveTracker, figure: LiveFigure) -> None:
+        """Write what describes the recording, once all its frames are on the disk."""
+        self._writer.shutdown(wait=True)
+        self._stamps.close()
+        self._lines.close()
+        settings = []
+        if figure.position_m is not None and isinstance(tracker.target, Board):
+            scene = json.dumps(_scene(figure), indent=2).encode()
+            write_bytes(self.folder / "scene.json", scene)
+            settings.append("placed.scene=scene.json")
+        text = f"settings = {json.dumps(settings)}\n\n"
+        text += '[frames]\nimages = "frames/*.png"\nstamps = "stamps.txt"\nstamps_unit = "ns"\n'
+        if tracker.camera is not None:
+            text += "\n" + camera_toml(tracker.camera)
+            if tracker.calibration is not None and tracker.calibration.found is not None:
+                text += f"focal_sigma = {tracker.calibration.found.sigma_focal!r}\n"
+        if isinstance(tracker.target, Board):
+            text += "\n" + board_toml(tracker.target)
+        write_bytes(self.folder / "motorcade.toml", text.encode())
+
+    def _write(self, number: int, frame: LiveFrame) -> None:
+        try:
+            image = frame.image if frame.image.ndim == 2 else frame.image[..., ::-1]
+            path = self.folder / "frames" / f"{number:06d}.png"
+            if not cv2.imwrite(str(path), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+                raise OSError(f"{path}: cannot be written")
+            self._stamps.write(f"{frame.time_ns}\n")
+        except Exception as fault:  # a disk that is full ends the recording, not the session
+            self._fault = fault
+        finally:
+            self._room.release()
+
+
+def _scene(figure: LiveFigure) -> dict[str, Any]:
+    """The figure on its board, as scene files have it."""
+    assert figure.position_m is not None  # asked before
+    entry = {
+        "name": "figure",
+        "kind": "character",
+        "file": figure.file,
+        "parent": "board",
+        "height_m": figure.scale * figure.height_m,
+        "position_m": [*figure.position_m.tolist(), 0.0],
+        "euler_deg": [0.0, 0.0, math.degrees(figure.heading_rad)],
+    }
+    anchors = {"board": {"on": "board"}}
+    return {"schema": "motorcade-scene", "version": 1, "anchors": anchors, "objects": [entry]}
+
 
 WINDOW_S = 5.0
 _MOST = 4096
@@ -180,3 +301,85 @@ class LiveSession:
             self.figure.drag(point)
         else:
             self.figure.walk(point, eye, self._time_s)
+
+
+_MARKER_HEIGHTS, _BOARD_SHARE, _PLANE_HEIGHT = 1.5, 0.5, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class LivePlan:
+    """What is to be tracked and shown live.
+
+    Args:
+        source: as `open_frames` takes it; None for the camera of the browser that opens the page.
+        manifest: that describes a recording played as the source.
+        target: what is tracked; None for the board of the recording that is the source.
+        camera: None for the recording's, or one that is found from the board.
+        character: "mannequin", or a file.
+        height_m: of the figure, in the world's unit; None for half the board's shorter side.
+        record: a folder to record into; None without.
+    """
+
+    source: str | None = None
+    manifest: Path | None = None
+    target: Target | None = None
+    camera: Camera | None = None
+    character: str = "mannequin"
+    height_m: float | None = None
+    record: Path | None = None
+
+    def open(self) -> tuple[LiveSession, Iterator[LiveFrame] | None]:
+        """The session, and the source's frames where it is not a browser.
+
+        Raises:
+            ValueError: no board, marker or SLAM said, or SLAM without a camera.
+            OSError: a folder to record into that holds something.
+        """
+        recording = self._recording()
+        target, camera = self.target, self.camera
+        if recording is not None:
+            target = recording.board if target is None else target
+            camera = recording.camera if camera is None else camera
+        if target is None:
+            raise ValueError(
+                "live: expected what to track: --board NAME, --markers FAMILY --size-m S, or --slam"
+            )
+        tracker = LiveTracker(target, camera)
+        height_m = self.height_m or height_on(target)
+        figure = LiveFigure(self.character, height_m)
+        recorder = None if self.record is None else LiveRecorder(self.record)
+        frames = None
+        if recording is not None:
+            frames = paced(recording)
+        elif self.source is not None:
+            frames = open_frames(self.source)
+        return LiveSession(tracker, figure, recorder), frames
+
+    def _recording(self) -> Recording | None:
+        if self.source is None or kind_of(self.source) != "recording":
+            return None
+        from motorcade.replays.io.readers.opening import open_recording
+
+        return open_recording(self.source, self.manifest)
+
+
+def height_on(target: Target) -> float:
+    """How tall a figure stands on a target, in its unit."""
+    if isinstance(target, FirstMarker):
+        return _MARKER_HEIGHTS * target.side_m
+    if isinstance(target, Board):
+        height, side = _BOARD_SHARE * min(target.size_m), max(target.size_m)
+        return _MARKER_HEIGHTS * side if len(target.points_m) == 4 else height
+    return _PLANE_HEIGHT
+
+
+def track_without_page(session: LiveSession, frames: Iterator[LiveFrame]) -> dict[str, Any]:
+    """Track a source to its end, and give the page's figures; "drawn" is when a pose is known."""
+    began_s, count = time.monotonic(), 0
+    for frame in newest(frames):
+        session.take(frame, count)
+        session.measure.drawn(time.monotonic() - frame.captured_s)
+        count += 1
+    seconds = round(time.monotonic() - began_s, 3)
+    states = dict(session.measure.states)
+    return {"frames": count, "seconds": seconds, "states": states, **session.told()}

@@ -43,11 +43,10 @@ from motorcade.replays.pipeline.look.packing import packed, rows_of
 from motorcade.replays.stages.characters.acted import cast_as
 from motorcade.replays.stages.characters.acting import IDLE, character_named
 from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
-from motorcade.replays.studio.filmed import Filmed, open_filmed, spoken
-from motorcade.replays.studio.offers import Answer, Offer
-from motorcade.replays.studio.played import PlayedScene
+from motorcade.replays.studio.filmed import Filmed, PlayedScene, open_filmed, spoken
 from motorcade.replays.studio.props import GROUND, Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView
+from motorcade.replays.studio.visitors import Answer, Offer
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
 
 LONGEST_S = 3600.0

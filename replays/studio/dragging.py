@@ -33,7 +33,7 @@ from motorcade.animation.retarget import body_of
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.studio.played import PlayedScene
+from motorcade.replays.studio.filmed import PlayedScene
 
 BY_AMOUNT = ("scale", "turn")
 """Gestures of a wheel, which tell how far instead of where."""

@@ -33,11 +33,10 @@ from motorcade.ga import Similarity
 from motorcade.replays.pipeline.look.packing import packed, scaled_rows
 from motorcade.replays.stages.characters.acted import Acted
 from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
-from motorcade.replays.studio.filmed import Filmed, spoken
-from motorcade.replays.studio.offers import Answer
-from motorcade.replays.studio.played import PlayedScene
+from motorcade.replays.studio.filmed import Filmed, PlayedScene, spoken
 from motorcade.replays.studio.props import GROUND, Props, free_name, pace_at, room_m, thinned
 from motorcade.replays.studio.visitors import (
+    Answer,
     frame_number,
     frame_of_axes,
     name_of,

@@ -27,12 +27,9 @@ import numpy as np
 
 from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
-from motorcade.replays.live.app import live_app
+from motorcade.replays.live.app import MAX_FRAME_BYTES, live_app
 from motorcade.replays.live.figure import LiveFigure
-from motorcade.replays.live.opening import height_on
-from motorcade.replays.live.record import LiveRecorder
-from motorcade.replays.live.session import LiveSession
-from motorcade.replays.live.wire import MAX_FRAME_BYTES
+from motorcade.replays.live.session import LiveRecorder, LiveSession, height_on
 from motorcade.replays.studio.access import Access
 from motorcade.replays.studio.serving import Listening, configured, opened
 from motorcade.tracking import Board, Camera

@@ -21,11 +21,11 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer
+from motorcade.render.figures import FigureSeen
 from motorcade.render.overlay import render_performers
 from motorcade.render.scene import ImageArray
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import StampedFrame
-from motorcade.render.visibility import FigureSeen
 from motorcade.tracking.cameras.camera import Camera
 
 CAMERA = Camera(320, 240, 280.0, 280.0, 159.5, 119.5)

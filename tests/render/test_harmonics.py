@@ -6,7 +6,7 @@ from scipy.special import sph_harm_y
 
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.harmonics import (
+from motorcade.render.light.estimate import (
     band_of,
     harmonics,
     irradiance_factors,

@@ -12,7 +12,7 @@ from motorcade.animation.vectors import turn_z
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Performer, render_performers
 from motorcade.render.composite import Matching
-from motorcade.render.visibility import FigureSeen
+from motorcade.render.figures import FigureSeen
 from motorcade.replays.stages.view.overlay import check_figure
 from motorcade.tracking.cameras.camera import Camera
 from tests.end_to_end.film_account import draw_account

@@ -33,14 +33,18 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.progress import track
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.depth import measured_depth, refined_by_depth
 from motorcade.replays.stages.camera.offered import (
     as_found,
     camera_of,
     require_images,
     rows_readout_s,
 )
-from motorcade.replays.stages.camera.sensor_audit import audited_depth, audited_pair
+from motorcade.replays.stages.camera.sensor_audit import (
+    audited_depth,
+    audited_pair,
+    measured_depth,
+    refined_by_depth,
+)
 from motorcade.replays.stages.inertial.filter_input import assumed_noise
 from motorcade.replays.stages.values.camera_poses import SightedPoints
 from motorcade.replays.stages.values.inertial import InertialHistory

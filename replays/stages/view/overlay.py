@@ -29,6 +29,7 @@ from motorcade.render import (
     write_video,
 )
 from motorcade.render.composite import Matching, stored_ends
+from motorcade.render.figures import FigureSeen
 from motorcade.render.lens import warped
 from motorcade.render.light import (
     ExposureMeter,
@@ -41,7 +42,6 @@ from motorcade.render.original import OriginalVideo
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shots import StampedFrame
 from motorcade.render.video import read_original
-from motorcade.render.visibility import FigureSeen
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames

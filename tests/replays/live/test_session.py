@@ -10,9 +10,7 @@ from motorcade.animation.authoring import read_scene
 from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live.figure import LARGEST, LiveFigure
-from motorcade.replays.live.opening import LivePlan, track_without_page
-from motorcade.replays.live.record import LiveRecorder
-from motorcade.replays.live.session import LiveSession
+from motorcade.replays.live.session import LivePlan, LiveRecorder, LiveSession, track_without_page
 from motorcade.replays.stages.camera.board_poses import board_poses
 from tests.replays.live.drawn import BOARD, CAMERA, frames, world_T_camera
 

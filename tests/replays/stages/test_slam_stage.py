@@ -14,7 +14,7 @@ from motorcade.fusion.visual_inertial.start import InertialStart
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera import depth, slam_poses
+from motorcade.replays.stages.camera import sensor_audit, slam_poses
 from motorcade.replays.stages.camera.slam_poses import FoundCameras
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.tracking import Camera, MapSnapshot, PoseMeasurements
@@ -64,8 +64,8 @@ def test_depth_refines_a_map_through_the_camera_of_its_pixels(
     def refined(_map: object, _path: object, colour: Camera, *_: object) -> None:
         through.append(colour)
 
-    monkeypatch.setattr(depth, "refine_by_depth", refined)
-    assert depth.refined_by_depth(recording(camera), mapped(metric=True)) is None
+    monkeypatch.setattr(sensor_audit, "refine_by_depth", refined)
+    assert sensor_audit.refined_by_depth(recording(camera), mapped(metric=True)) is None
     assert through == [camera if camera is FISHEYE else PINHOLE]
 
 

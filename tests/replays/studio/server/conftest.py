@@ -13,8 +13,8 @@ import uvicorn
 
 from motorcade.replays.studio.access import Access
 from motorcade.replays.studio.app import studio_app
-from motorcade.replays.studio.offers import Answer, Desk, Offer
 from motorcade.replays.studio.serving import Listening, configured, opened
+from motorcade.replays.studio.visitors import Answer, Desk, Offer
 
 PATIENCE_S = 30.0
 

@@ -12,7 +12,7 @@ import pytest
 from websockets.sync.client import connect
 
 from motorcade.replays.studio.access import WORK_SHARE, WorkBudget
-from motorcade.replays.studio.offers import Answer
+from motorcade.replays.studio.visitors import Answer
 from tests.replays.studio.server.conftest import EchoDesk, running
 from tests.replays.studio.server.stage import Visitor, desk, stands
 
