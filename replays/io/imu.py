@@ -10,7 +10,9 @@ Spectra of vibration from files: a CSV of frequencies and power spectral densiti
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,19 +20,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.noise import ImuNoise
-from motorcade.fusion.imu.screening import screen_imu
-from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.imu.screening import refuse_units_of_force, screen_imu
+from motorcade.fusion.imu.stream import STANDARD_GRAVITY_M_S2, ImuStream
 from motorcade.fusion.imu.vibration import VibrationSpectrum
 from motorcade.ga.archives import load_arrays, save_arrays_in_parts
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import FileError
+from motorcade.ga.names import one_line
 from motorcade.ga.stamps import near_steps
 from motorcade.replays.io.files import refusal, refused, refusing, replacing
-from motorcade.replays.io.readers.columns import ANGULAR_RATE, SPECIFIC_FORCE, read_columns
+from motorcade.replays.io.readers.columns import (
+    ANGULAR_RATE,
+    GRAVITY,
+    MAYBE_FREE,
+    SPECIFIC_FORCE,
+    Quantity,
+    names_quantity,
+    read_columns,
+    stamp_column,
+)
 from motorcade.replays.io.readers.tables import read_table
 
 _LOG = logging.getLogger("motorcade.replays")
 _FORMAT = "motorcade imu 1"
+_WITH_GRAVITY = 0.8
 _ARRAYS = ("time_ns", "angular_rate_rad_s", "specific_force_m_s2")
 
 
@@ -57,8 +70,60 @@ def _stream(path: Path) -> ImuStream:
     if path.suffix == ".npz":
         with refused():
             return load_arrays(path, "a saved IMU stream", _FORMAT, _from_arrays)
-    table = read_columns(path, (ANGULAR_RATE, SPECIFIC_FORCE))
+    free, whole = (names_quantity(path, quantity) for quantity in (MAYBE_FREE, SPECIFIC_FORCE))
+    name, of_force = (free, MAYBE_FREE) if free and not whole else (whole or b"", SPECIFIC_FORCE)
+    stream = _rate_and_force(path, of_force)
+    if of_force is MAYBE_FREE:
+        refuse_units_of_force(stream)
+        gravity = read_columns(path, (GRAVITY,)) if names_quantity(path, GRAVITY) else None
+        pull = None if gravity is None else (gravity.time_ns, gravity.values)
+        felt = with_gravity(stream.time_ns, stream.specific_force_m_s2, pull, one_line(name))
+        stream = replace(stream, specific_force_m_s2=felt)
+    if _APPLES.match(name):
+        _LOG.warning("%s: forces are turned about, since Apple counts them downwards", path)
+        stream = replace(stream, specific_force_m_s2=-stream.specific_force_m_s2)
+    return stream
+
+
+_APPLES = re.compile(rb"(?i)\W*(?:accelerometerAcceleration|(?:motion)?User_?Acceleration)")
+"""How Core Motion's accelerations are called, by SensorLog and by Apple."""
+
+
+def _rate_and_force(path: Path, of_force: Quantity) -> ImuStream:
+    """Rows of both, or each sensor by its own stamps where the file has such."""
+    both = (ANGULAR_RATE, of_force)
+    named = all(names_quantity(path, quantity) for quantity in both)
+    if named and len({stamp_column(path, quantity) for quantity in both}) > 1:
+        gyro, accel = (read_columns(path, (quantity,)) for quantity in both)
+        return join_sensors(gyro.time_ns, gyro.values, accel.time_ns, accel.values)
+    table = read_columns(path, both)
     return ImuStream(table.time_ns, table.values[:, :3], table.values[:, 3:])
+
+
+def with_gravity(
+    time_ns: IntArray, felt: FloatArray, gravity: tuple[IntArray, FloatArray] | None, name: str
+) -> FloatArray:
+    """Force ``(N, 3)`` as it was felt where it holds gravity, else with that of another sensor.
+
+    Readings hold gravity where most of the other sensor's is in them, or, without one, where their
+    median size is 0.8 of it at least.
+
+    Raises:
+        ValueError: readings without gravity, and none to add.
+    """
+    if gravity is not None:
+        since_ns, known_ns = time_ns - time_ns[0], gravity[0] - time_ns[0]
+        at = [np.interp(since_ns, known_ns, axis) for axis in gravity[1].T]
+        pull = np.stack(at, axis=-1)
+        if np.sum(felt * pull) < 0.5 * np.sum(pull * pull):
+            felt = felt + pull
+    size = float(np.median(np.linalg.norm(felt, axis=1)))
+    if size < _WITH_GRAVITY * STANDARD_GRAVITY_M_S2:
+        raise ValueError(
+            f"expected readings that hold gravity, got {size:.3g} m/s² in {name}; log the whole "
+            "acceleration, or gravity beside it"
+        )
+    return felt
 
 
 def join_sensors(

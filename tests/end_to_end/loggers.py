@@ -1,4 +1,4 @@
-"""Logs of a known motion as twelve kinds of apps and devices write them: is it found as well?
+"""Logs of a known motion as many kinds of apps and devices write them: is it found as well?
 
     python -m tests.end_to_end.loggers [--seed N] [KIND …]
 
@@ -153,6 +153,103 @@ def androsensor(folder: Path, motion: Motion) -> Path:
     return _lines(folder / "Sensor_record.csv", [";".join(header)], rows)
 
 
+def androsensor_damaged(folder: Path, motion: Motion) -> Path:
+    """The same after a program that took its UTF-8 for Windows' Latin had saved it."""
+    path = androsensor(folder, motion)
+    text = "sep=;\n" + path.read_text(encoding="utf-8").replace("LINEAR", "Linear")
+    path.write_bytes(text.encode().decode("cp1252").encode())
+    return path
+
+
+def sensorlog(folder: Path, motion: Motion, *, alone: bool = False) -> Path:
+    """SensorLog of iOS: a stamp a sensor, forces of Core Motion in g and downwards; null at first.
+
+    Columns as in SensorLog's files (`motionRotationRateX(rad/s)`); `alone`: without raw sensors.
+    """
+    gravity = motion.truth.inverse().apply(np.broadcast_to([0.0, 0.0, G], (len(motion.rows), 3)))
+    groups = {
+        "accelerometer": [
+            "Timestamp_sinceReboot(s)",
+            *(f"Acceleration{axis}(G)" for axis in "XYZ"),
+        ],
+        "gyro": ["Timestamp_sinceReboot(s)", *(f"Rotation{axis}(rad/s)" for axis in "XYZ")],
+        "motion": [
+            *("Timestamp_sinceReboot(s)", "Yaw(rad)"),
+            *(f"RotationRate{axis}(rad/s)" for axis in "XYZ"),
+            *(f"UserAcceleration{axis}(G)" for axis in "XYZ"),
+            *(f"Gravity{axis}(G)" for axis in "XYZ"),
+            *(f"MagneticField{axis}(µT)" for axis in "XYZ"),
+        ],
+    }
+    names = ["loggingTime(txt)", "locationTimestamp_since1970(s)", "locationHeadingX(µT)"]
+    kept = [name for name in groups if not alone or name == "motion"]
+    names += [name + column for name in kept for column in groups[name]]
+    rows = []
+    for number, (time_s, row) in enumerate(zip(motion.time_s, motion.rows, strict=True)):
+        down = [-value / G for value in row[3:6]]
+        pull = (-gravity[number] / G).tolist()
+        user = [whole - part for whole, part in zip(down, pull, strict=True)]
+        at_s = 86_400.5 + time_s
+        numbers = [] if alone else [at_s, *down, at_s + 0.001, *row[:3]]
+        numbers += [at_s + 0.001, 0.1, *row[:3], *user, *pull, *row[6:9]]
+        text = ",".join(f"{value:.9f}" if number else "null" for value in numbers)
+        rows.append(f"2020-05-06 09:14:{time_s:06.3f} +0200,1588749240.1,-3.5,{text}")
+    return _lines(folder / "sensorlog.csv", [",".join(names)], rows)
+
+
+def sensorlog_motion(folder: Path, motion: Motion) -> Path:
+    """The same, with what Core Motion made of the sensors alone."""
+    return sensorlog(folder, motion, alone=True)
+
+
+_XSENS = [
+    "Acc_X",
+    "Acc_Y",
+    "Acc_Z",
+    "FreeAcc_X",
+    "FreeAcc_Y",
+    "FreeAcc_Z",
+    "Gyr_X",
+    "Gyr_Y",
+    "Gyr_Z",
+]
+
+
+def xsens_mt(folder: Path, motion: Motion, *, ticks: bool = True) -> Path:
+    """MT Manager's: tabs, ticks of 100 µs that wrap, free acceleration beside the whole one."""
+    head = ["// Start Time: Unknown", "// Update Rate: 100.0Hz", "// Filter Profile: human (46.1)"]
+    rows = []
+    for number, (stamp, row) in enumerate(motion.stamped):
+        fine = str((stamp // 100_000 + 2**32 - 5000) % 2**32) if ticks else ""
+        numbers = [*row[3:6], 0.1, -0.2, 0.05, *row[:3]]
+        text = "\t".join(f"{value:.9f}" for value in numbers)
+        rows.append(f"{(65_000 + number) % 2**16:05}\t{fine}\t{text}\t")
+    names = "\t".join(["PacketCounter", "SampleTimeFine", *_XSENS, ""])
+    return _lines(folder / "MT_012005D6-000.txt", [*head, names], rows)
+
+
+def xsens_mtw(folder: Path, motion: Motion) -> Path:
+    """The same of an MTw, whose ticks are empty: packets are counted, in 16 bits."""
+    return xsens_mt(folder, motion, ticks=False)
+
+
+def xsens_dot(folder: Path, motion: Motion) -> Path:
+    """Movella's exporter: lines of settings, ticks of 1 µs, rates in degrees without a unit."""
+    head = ["sep=,", "DeviceTag:,1", "OutputRate:,100Hz", "Measurement Mode:,Sensor fusion Mode"]
+    head += [
+        "StartTime: ,2025-07-11_20:06:00_086 WEST",
+        "© Movella Technologies B. V. 2005-2025",
+        "",
+    ]
+    rows = []
+    for number, (stamp, row) in enumerate(motion.stamped):
+        numbers = [*row[3:6], 0.1, -0.2, 0.05, *np.degrees(row[:3])]
+        text = ",".join(f"{value:.9f}" for value in numbers)
+        rows.append(f"{number},{(stamp // 1000 + 2**32 - 10**6) % 2**32},{text},0,")
+    names = ",".join(["PacketCounter", "SampleTimeFine", *_XSENS, "Status", ""])
+    return _lines(folder / "1_20250711.csv", [*head, names], rows)
+
+
 def physics_toolbox(folder: Path, motion: Motion) -> Path:
     """Forces in g (`gFx`) beside those without gravity (`ax`), seconds since the start."""
     header = "time,gFx,gFy,gFz,ax,ay,az,wx,wy,wz,p,Bx,By,Bz,Azimuth,Pitch,Roll,Latitude,Longitude"
@@ -290,6 +387,7 @@ KINDS: dict[str, Callable[[Path, Motion], Path]] = {
     one.__name__: one
     for one in (
         *(sensor_logger, sensor_logger_zip, sensor_logger_ios, phyphox, androsensor),
+        *(androsensor_damaged, sensorlog, sensorlog_motion, xsens_mt, xsens_mtw, xsens_dot),
         *(physics_toolbox, repoimu, rostopic, px4, oxts, ros_bag, two_topics, milliseconds),
     )
 }

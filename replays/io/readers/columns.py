@@ -5,13 +5,15 @@ stand for the decimal point. A header is the last line of comment, or the row of
 numbers; two rows of names are a group's and its axes'. Where it names every column that is wanted
 (`w_RS_S_x [rad s^-1]`, `gyro_x`, `angular_velocity.x`, `ax (g)`, `gFx`, `qw`), the file is read by
 it; where it says nothing, columns are EuRoC's, in EuRoC's order. One that names a column in another
-place and leaves others open is refused, as is a unit that nobody knows. Of several columns of one
-name, that of a message's header counts before the time of its arrival, and readings with gravity
-before those without.
+place and leaves others open is refused, as is a unit that nobody knows; signs that were written in
+one encoding and read in another (`m/sÂ²`) are known. Of stamps, that of a message's header counts
+before the time of its arrival, and that of the very sensor before others.
 
 Stamps without a unit are nanoseconds, unless they cannot be: fractions that are nanoseconds apart
 are seconds, and whole numbers are of the one unit in which they are sampled 0.5 to 20,000 times a
-second. Times of the day (`11:23:45.123`) count from midnight.
+second. Times of the day (`11:23:45.123`) count from midnight. Xsens' `SampleTimeFine` counts 100 µs
+(MTi, MTw: MT Low Level Communication Protocol, XDI 0x1060) or 1 µs (Xsens DOT User Manual, 4.2) in
+32 bits; where it is empty, `PacketCounter`, of 16 bits, counts by the update rate above the header.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ import re
 from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,13 +47,18 @@ _LEAST_STEP_NS = 1000.0
 _STEPS_NS = 5e4, 2e9
 """Shortest and longest step of readings that are counted in whole units."""
 _PARTS = (b";", b"\t", b",")
-_WITHOUT_GRAVITY = {"linear", "user", "uncalibrated"}
+_WITHOUT_GRAVITY = frozenset({"linear", "lin", "user", "free"})
+_ANGULAR = frozenset({"angular", "ang", "angle"})
+_FORCE_WORDS = frozenset({"acc", "accel", "accelerometer", "acceleration", "force"})
+_RATE = re.compile(rb"(?i)(?:update|output|sample|sampling) ?rate\W+([0-9.]{1,12}) ?(?:hz)?\b")
+_TICKS_US = 8000.0
+"""Steps of `SampleTimeFine` below are 100 µs each: DOT's, of 1 µs, are 8333 at their fastest."""
 _LOG = logging.getLogger("motorcade.replays")
 
 _TIMES = {"timestamp", "timestamps", "time", "stamp", "t", "ts"}
 _TIME_UNITS = {
     **dict.fromkeys(("ns", "nsec", "nsecs", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("us", "µs", "μs", "usec", "microsecond", "microseconds"), "us"),
+    **dict.fromkeys(("us", "usec", "microsecond", "microseconds"), "us"),
     **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), "ms"),
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
 }
@@ -67,6 +74,8 @@ class Quantity:
         axes: in the order in which they are wanted.
         label: what a column is called in refusals, before its axis.
         units: what one of each is in our own unit.
+        without: words of a name that make it another quantity.
+        of: words any of which the name must have too, where there are some.
     """
 
     words: frozenset[str]
@@ -74,10 +83,14 @@ class Quantity:
     axes: str
     label: str
     units: dict[str, float]
+    without: frozenset[str] = frozenset()
+    of: frozenset[str] = frozenset()
 
     def axis(self, words: list[str]) -> str | None:
         """The axis that a name means; None where it means something else."""
         *before, last = words
+        if self.without.intersection(words) or (self.of and not self.of.intersection(words)):
+            return None
         if last[-1] in self.axes and last[:-1] and last[:-1] in self.words | self.letters:
             return last[-1]  # gyrox, wx
         if len(last) > 1 or last not in self.axes:
@@ -92,32 +105,37 @@ ANGULAR_RATE = Quantity(
     "xyz",
     "w_",
     {
-        **dict.fromkeys(("rad/s", "rads^-1", "rads-1", "rad/sec", "rad_s"), 1.0),
-        **dict.fromkeys(("deg/s", "degs^-1", "degs-1", "deg/sec", "deg_s"), np.pi / 180.0),
-        **dict.fromkeys(("°/s", "°s^-1", "dps"), np.pi / 180.0),
+        **dict.fromkeys(("rad/s", "rads-1", "rad/sec", "rad_s"), 1.0),
+        **dict.fromkeys(("deg/s", "degs-1", "deg/sec", "deg_s"), np.pi / 180.0),
+        **dict.fromkeys(("°/s", "°s-1", "dps"), np.pi / 180.0),
     },
+    without=_FORCE_WORDS | {"angle"},
 )
+_FORCE_UNITS = {
+    **dict.fromkeys(("m/s2", "ms-2", "m/s/s", "m_s2"), 1.0),
+    "g": 9.80665,
+    "mg": 9.80665e-3,
+}
 SPECIFIC_FORCE = Quantity(
-    frozenset({"acc", "accel", "accelerometer", "acceleration", "force"}),
-    frozenset({"a", "f"}),
-    "xyz",
-    "a_",
-    {
-        **dict.fromkeys(("m/s^2", "m/s2", "m/s²", "ms^-2", "ms-2", "m/s/s", "m_s2"), 1.0),
-        "g": 9.80665,
-        "mg": 9.80665e-3,
-    },
+    _FORCE_WORDS, frozenset({"a", "f"}), "xyz", "a_", _FORCE_UNITS, _WITHOUT_GRAVITY | _ANGULAR
 )
+MAYBE_FREE = Quantity(
+    _FORCE_WORDS, frozenset(), "xyz", "a_", _FORCE_UNITS, _ANGULAR, of=_WITHOUT_GRAVITY
+)
+"""Android's linear, Apple's of the user, Xsens' free: without gravity; ROS' linear: with it."""
+GRAVITY = Quantity(frozenset({"gravity"}), frozenset(), "xyz", "g_", _FORCE_UNITS)
 MAGNETIC_FIELD = Quantity(
     frozenset({"mag", "magn", "magnetic", "magnetometer"}),
     frozenset({"m", "b"}),
     "xyz",
     "m_",
     {
-        **dict.fromkeys(("µt", "μt", "ut", "microtesla", "-", "1", "a.u."), 1.0),
+        **dict.fromkeys(("ut", "microtesla", "-", "1", "a.u."), 1.0),
         **dict.fromkeys(("g", "gauss", "ga"), 100.0),
         **dict.fromkeys(("mg", "mgauss"), 0.1),
         **dict.fromkeys(("t", "tesla"), 1e6),
+        "mt": 1e3,
+        "nt": 1e-3,
     },
 )
 POSITION = Quantity(
@@ -142,11 +160,12 @@ def opening_rows(path: Path, wanted: int) -> tuple[list[bytes] | None, list[list
     return opening.header, opening.rows
 
 
-def names_quantity(path: Path, quantity: Quantity) -> bool:
-    """Whether the file's header names every axis of a quantity."""
+def names_quantity(path: Path, quantity: Quantity) -> bytes | None:
+    """The name of a quantity's first axis, where the file's header names all; None elsewhere."""
     header = _opening(path, len(quantity.axes)).header or []
-    meant = {_meant(*_name_and_unit(token), (quantity,))[0] for token in header}
-    return meant.issuperset(quantity.label + axis for axis in quantity.axes)
+    meant = {_meant(*_name_and_unit(token), (quantity,))[0]: token for token in reversed(header)}
+    names = [quantity.label + axis for axis in quantity.axes]
+    return meant[names[0]] if meant.keys() >= set(names) else None
 
 
 def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
@@ -160,33 +179,72 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
     """
     names = tuple(entry.label + axis for entry in quantities for axis in entry.axes)
     opening = _opening(path, 1 + len(names))
-    number, header, rows = opening.line, opening.header, opening.rows
-    places, units = list(range(1 + len(names))), [""] * (1 + len(names))
-    if header is not None:
-        columns = _Header(path, number, header)
-        places, units = columns.layout(quantities, (_STAMP, *names))
-    unit = _stamp_unit(
-        path, number, units[0], [row[places[0]] for row in rows if places[0] < len(row)]
-    )
+    layout = _layout(path, opening, quantities)
+    stamps = [row[layout.places[0]] for row in opening.rows if layout.places[0] < len(row)]
+    clock = _counter(path, opening, layout, stamps)
     table = read_table(
         path,
         names,
         separator=opening.separator,
         decimal_comma=opening.decimal_comma,
-        unit=unit,
+        unit=clock.unit or _stamp_unit(path, opening.line, layout.units[0], stamps),
         header=True,
+        below=opening.line,
         more_columns=True,
-        places=tuple(places),
+        places=tuple(layout.places),
     )
-    scale = _scales(path, number, quantities, units[1:], names)
+    if clock.wraps_ns:
+        turns = np.cumsum(np.diff(table.time_ns, prepend=table.time_ns[0]) < -clock.wraps_ns // 2)
+        time_ns = np.rint((table.time_ns + clock.wraps_ns * turns) * clock.stretch)
+        table = replace(table, time_ns=time_ns.astype(np.int64))
+    units = layout.units[1:]
+    if clock.unit == "us" and ANGULAR_RATE in quantities and not any(units[:3]):
+        _LOG.warning("%s: rates are in degrees, as Xsens DOT's; else say: Gyr_X (rad/s)", path)
+        units = [
+            "deg/s" if name[0] == "w" else unit for name, unit in zip(names, units, strict=True)
+        ]
+    scale = _scales(path, opening.line, quantities, units, names)
     if np.any(scale != 1.0):
         table = replace(table, values=table.values * scale)
     return table.rows(in_order(path, table.lines, table.time_ns))
 
 
+def stamp_column(path: Path, quantity: Quantity) -> int:
+    """Where the stamps of a quantity stand."""
+    return _layout(path, _opening(path, 1 + len(quantity.axes)), (quantity,)).places[0]
+
+
+class _Counter(NamedTuple):
+    """The unit of stamps that count, after how many ns they begin anew, and what one is then."""
+
+    unit: str | None = None
+    wraps_ns: int = 0
+    stretch: float = 1.0
+
+
+def _counter(path: Path, opening: _Opening, layout: _Layout, stamps: list[bytes]) -> _Counter:
+    """Xsens' counters; none elsewhere."""
+    if layout.clock == ["packet", "counter"]:
+        if opening.rate_hz is None:
+            problem = "expected stamps, or 'Update Rate: 100 Hz' above the header, got a counter"
+            advice = "add that line, or a column of stamps: time_s"
+            raise refusal(path, problem, line=opening.line, advice=advice)
+        return _Counter("ns", 2**16, 1e9 / opening.rate_hz)
+    if layout.clock != ["sample", "time", "fine"] or layout.units[0]:
+        return _Counter()
+    try:
+        counts = np.array([float(stamp) for stamp in stamps if stamp.strip()])
+    except ValueError:
+        counts = np.zeros(0)  # whoever reads them all says which line is wrong
+    steps = np.diff(counts)[np.diff(counts) > 0]
+    dot = len(steps) > 0 and float(np.median(steps)) >= _TICKS_US
+    unit = "us" if dot else "100 us"
+    return _Counter(unit, 2**32 * 10 ** UNITS[unit])
+
+
 class _Opening(NamedTuple):
-    """Line number and tokens of the header, if there is one, the first rows below it, and how
-    columns are parted; None: by white space.
+    """Line number and tokens of the header, if there is one, the first rows below it, how columns
+    are parted (None: by white space), and the rate of samples that a line above states.
     """
 
     line: int
@@ -194,11 +252,13 @@ class _Opening(NamedTuple):
     rows: list[list[bytes]]
     separator: bytes | None
     decimal_comma: bool
+    rate_hz: float | None
 
 
 def _opening(path: Path, wanted: int) -> _Opening:
     at, header, rows, group = 0, None, list[list[bytes]](), list[bytes]()
     separator: bytes | None = b","
+    above, rate_hz = True, None
     with open_bounded(path, FILE_LIMIT) as file:
         number = 0
         while len(rows) < _LOOKED_AT and (line := file.readline(LINE_LIMIT)):
@@ -206,18 +266,26 @@ def _opening(path: Path, wanted: int) -> _Opening:
             text = line.removeprefix(b"\xef\xbb\xbf").strip(b" \r\n")
             parts = next((part for part in _PARTS if part in text), None)
             row = text.lstrip(b"#, ").split(parts)
-            names = text.startswith(b"#") or (not rows and is_header(row))
+            if above and (stated := _RATE.search(text)):
+                rate_hz = _rate_hz(stated[1])
+            names = text.startswith(b"#") or (above and is_header(row))
             if not names and text:
                 rows.append(row)
                 separator = parts
-            elif not rows and len(row) >= wanted and is_header(row):
+                above = above and len(row) < wanted
+            elif above and len(row) >= wanted and is_header(row):
                 grouped = len(group) == len(row) and not text.startswith(b"#")
                 group, header = row, _grouped(group, row) if grouped else row
-                at = number
+                at, rows = number, []
     by_comma = separator not in (b",", None) and any(b"," in b"".join(row) for row in rows)
     if by_comma:
         rows = [[token.replace(b",", b".") for token in row] for row in rows]
-    return _Opening(at, header, rows, separator, by_comma)
+    return _Opening(at, header, rows, separator, by_comma, rate_hz)
+
+
+def _rate_hz(stated: bytes) -> float | None:
+    rate = float(stated) if stated.count(b".") <= 1 and stated != b"." else 0.0
+    return rate if 0.1 <= rate <= 1e5 else None
 
 
 def _grouped(groups: list[bytes], axes: list[bytes]) -> list[bytes]:
@@ -229,71 +297,110 @@ def _grouped(groups: list[bytes], axes: list[bytes]) -> list[bytes]:
     return names
 
 
-@dataclass(frozen=True)
-class _Header:
-    path: Path
-    line: int
-    tokens: list[bytes]
+class _Layout(NamedTuple):
+    """Where the stamp and each column stand, their units, and the words of the stamp's name."""
 
-    def layout(
-        self, quantities: tuple[Quantity, ...], names: tuple[str, ...]
-    ) -> tuple[list[int], list[str]]:
-        """Where the columns of these names stand, and their units."""
-        order, units = list(range(len(names))), [""] * len(names)
-        seen: dict[str, list[int]] = {}
-        said = [_name_and_unit(token) for token in self.tokens]
-        for at, (words, unit) in enumerate(said):
-            name, unit = _meant(words, unit, quantities)
-            if name is not None:
-                seen.setdefault(name, []).append(at)
-                said[at] = (words, unit)
-        for name, places in seen.items():
-            ranks = [_rank(name, said[at][0]) for at in places]
-            seen[name] = [at for at, rank in zip(places, ranks, strict=True) if rank == min(ranks)]
-        seen[_STAMP] = seen[_STAMP][:1] if _STAMP in seen else []
-        if not seen[_STAMP]:
-            del seen[_STAMP]
-        twice = [name for name, places in seen.items() if len(places) > 1]
-        missing = [name for name in names if name not in seen]
-        in_order = all(places == [names.index(name)] for name, places in seen.items())
-        if twice or (missing and not in_order):
-            self._refuse(f"{twice[0]} twice" if twice else f"no {missing[0]}", names)
-        if not missing:
-            order = [seen[name][0] for name in names]
-        for number, at in enumerate(order):
-            if names[number] in seen:
-                units[number] = said[at][1]
-        return order, units
+    places: list[int]
+    units: list[str]
+    clock: list[str]
 
-    def _refuse(self, what: str, names: tuple[str, ...]) -> NoReturn:
+
+def _layout(path: Path, opening: _Opening, quantities: tuple[Quantity, ...]) -> _Layout:
+    """By the header, or in EuRoC's order where it says nothing."""
+    names = (_STAMP, *(entry.label + axis for entry in quantities for axis in entry.axes))
+    order, units = list(range(len(names))), [""] * len(names)
+    if opening.header is None:
+        return _Layout(order, units, [])
+    said = [_name_and_unit(token) for token in opening.header]
+    seen: dict[str, list[int]] = {}
+    for at, (words, unit) in enumerate(said):
+        name, unit = _meant(words, unit, quantities)
+        if name is not None:
+            seen.setdefault(name, []).append(at)
+            said[at] = (words, unit)
+    stamps = _by_rank(seen, said, opening.rows)
+    twice = [name for name, places in seen.items() if len(places) > 1]
+    seen |= {_STAMP: stamps} if stamps else {}
+    missing = [name for name in names if name not in seen]
+    in_order = all(places == [names.index(name)] for name, places in seen.items())
+    if twice or (missing and not in_order):
+        what = f"{twice[0]} twice" if twice else f"no {missing[0]}"
         raise refusal(
-            self.path,
+            path,
             f"expected a header that names {' '.join(names)}, or leaves them in this order, got "
-            f"{what} in {one_line(b','.join(self.tokens))}",
-            line=self.line,
+            f"{what} in {one_line(b','.join(opening.header))}",
+            line=opening.line,
             advice="rename its columns",
         )
+    if not missing:
+        order = [seen[name][0] for name in names]
+    units = [said[at][1] if name in seen else "" for name, at in zip(names, order, strict=True)]
+    return _Layout(order, units, said[stamps[0]][0] if stamps else [])
+
+
+def _by_rank(
+    seen: dict[str, list[int]], said: list[tuple[list[str], str]], rows: list[list[bytes]]
+) -> list[int]:
+    """Leave the best columns of each name, take the stamps out of them, and give the best one."""
+    stamps = seen.pop(_STAMP, [])
+    for name, places in seen.items():
+        ranks = [_rank(name, said[at][0]) for at in places]
+        seen[name] = [at for at, rank in zip(places, ranks, strict=True) if rank == min(ranks)]
+    sensors = {said[at][0][0] for places in seen.values() for at in places}
+
+    def rank(at: int) -> tuple[bool, ...]:
+        words, unit = said[at]
+        empty = bool(rows) and not any(at < len(row) and row[at].strip() for row in rows)
+        counts = words == ["packet", "counter"]
+        unknown = bool(unit) and unit not in _TIME_UNITS
+        return empty, counts, unknown, "header" not in words, words[0] not in sensors
+
+    return sorted(stamps, key=rank)[:1]
 
 
 def _rank(name: str, words: list[str]) -> int:
     """The lower, the sooner a column is taken among several of one name."""
-    if name == _STAMP:
-        return 0 if "header" in words else 1
-    if _WITHOUT_GRAVITY.intersection(words):
-        return 2
+    if "uncalibrated" in words:
+        return 3
+    if words[0] == "motion":  # Core Motion's, without biases, beside raw readings
+        return 0 if name.startswith(MAGNETIC_FIELD.label) else 2
     return 0 if words[0] == "g" else 1
 
 
+_DAMAGED = {"m/s\ufffd": "m/s2", "\ufffdt": "ut", "\ufffd/s": "°/s"}
+_SIGNS = str.maketrans({"²": "2", "μ": "u", "µ": "u", "⁻": "-", "¹": "1", "^": None, "?": "\ufffd"})
+
+
+def _decoded(token: bytes) -> str:
+    """Text in UTF-8 or Windows' Latin, also where UTF-8 was read as that and saved, twice even."""
+    try:
+        text = token.decode("utf-8")
+    except UnicodeDecodeError:
+        text = token.decode("cp1252", "replace")
+    for encoding in ("latin-1", "cp1252", "latin-1") if not text.isascii() else ():
+        try:
+            text = text.encode(encoding).decode("utf-8")
+        except UnicodeError:
+            continue
+    return text
+
+
 def _name_and_unit(token: bytes) -> tuple[list[str], str]:
-    """Words of a column's name, lower-case, and what it says in brackets."""
-    text = token.decode("utf-8", "replace").strip().strip("\"'").strip()
-    brackets = re.search(r"[\[(]([^\])]*)[\])]", text)
-    unit = re.sub(r"[\s·*]", "", brackets[1]).lower() if brackets else ""
+    """Words of a column's name, lower-case, and what it says in brackets, in one spelling."""
+    text = _decoded(token).strip().strip("\"'").strip()
+    brackets = re.search(r"[\[(](?:in )?([^\])]*)[\])]", text)
+    unit = re.sub(r"[\s·*]", "", brackets[1]).lower().translate(_SIGNS) if brackets else ""
+    unit = re.sub("\ufffd+", "\ufffd", unit)
     bare = text[: brackets.start()] if brackets else text
     parted = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", bare).lower()
-    return [word for word in re.split(r"[^a-z0-9°]+", parted) if word], unit
+    words = [word for word in re.split(r"[^a-z0-9°]+", parted) if word]
+    if not unit and words[:2] in _IN_G:
+        unit = "g"
+    return words, _DAMAGED.get(unit, unit)
 
 
+_IN_G = (["accelerometer", "acceleration"], ["motion", "user"], ["motion", "gravity"])
+"""How names begin of what Apple's Core Motion counts in g, as SensorLog writes them."""
 _ENDINGS = (("rad", "s"), ("deg", "s"), ("m", "s2"), ("dps",), ("g",), ("mg",), ("m",), ("mm",))
 
 
@@ -305,7 +412,8 @@ def _meant(words: list[str], unit: str, quantities: tuple[Quantity, ...]) -> tup
         words, unit = [words[1]], unit or "g"  # g-force
     if words[-1] in _TIME_UNITS and len(words) > 1 and set(words[:-1]) & _TIMES:
         return _STAMP, unit or words[-1]
-    if set(words) & _TIMES and words[-1] not in ("x", "y", "z"):
+    timed = set(words) & _TIMES or words == ["packet", "counter"]
+    if timed and words[-1] not in ("x", "y", "z"):
         return _STAMP, unit
     for ending in ((), *_ENDINGS):
         rest = words[: len(words) - len(ending)]
@@ -360,9 +468,8 @@ def _counted_in(stamps: list[bytes]) -> str | None:
     step = float(np.median(np.diff(digits)))
     if step >= _LEAST_STEP_NS or step <= 0.0:
         return None
-    fitting = [
-        unit for unit, power in UNITS.items() if _STEPS_NS[0] <= step * 10**power <= _STEPS_NS[1]
-    ]
+    known = [unit for unit in UNITS if unit in _TIME_UNITS]
+    fitting = [u for u in known if _STEPS_NS[0] <= step * 10 ** UNITS[u] <= _STEPS_NS[1]]
     return fitting[0] if len(fitting) == 1 else None
 
 

@@ -39,7 +39,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.files import admit_file
 from motorcade.ga.names import one_line
 from motorcade.replays.io.files import RecordingError, open_bounded, refusal, refusing
-from motorcade.replays.io.imu import join_sensors, read_imu
+from motorcade.replays.io.imu import join_sensors, read_imu, with_gravity
 from motorcade.replays.io.readers import manifest as manifests
 from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.columns import (
@@ -70,9 +70,6 @@ _BLOCK = 2**20
 _GYRO = ("gyroscope", "gyro", "rotationrate", "gyroscopeuncalibrated")
 _FORCE = ("totalacceleration", "accelerometer", "acceleration", "accelerometeruncalibrated")
 _FIELD = ("magnetometer", "magneticfield", "magnetometeruncalibrated")
-_GRAVITY_M_S2 = 9.80665
-_WITH_GRAVITY = 0.2
-"""How far, as a share of gravity, the median size of readings that hold it may be from it."""
 
 
 def _is_phone_log(path: Path) -> bool:
@@ -103,29 +100,14 @@ def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArr
     gyro_ns, rate = _values(gyro, ANGULAR_RATE, path)
     force_ns, felt = _values(force, SPECIFIC_FORCE, path)
     gravity = files.get("gravity")
-    if gravity is not None and not _holds_gravity(felt):
-        gravity_ns, pull = _values(gravity, SPECIFIC_FORCE, path)
-        since_ns, known_ns = force_ns - force_ns[0], gravity_ns - force_ns[0]
-        at = [np.interp(since_ns, known_ns, axis) for axis in pull.T]
-        felt = felt + np.stack(at, axis=-1)
-    if not _holds_gravity(felt):
-        size = float(np.median(np.linalg.norm(felt, axis=1)))
-        raise refusal(
-            path,
-            f"expected readings that hold gravity, got {size:.3g} m/s² in {one_line(force.name)}",
-            advice="log the total acceleration, or gravity beside it",
-        )
+    pull = None if gravity is None else _values(gravity, SPECIFIC_FORCE, path)
+    felt = with_gravity(force_ns, felt, pull, one_line(force.name))
     if _is_apples(files.get("metadata")):
         _LOG.warning("%s: forces are turned about, since Apple counts them downwards", path)
         felt = -felt
     stream = join_sensors(gyro_ns, rate, force_ns, felt)
     magnetometer = _first(files, _FIELD)
     return stream, None if magnetometer is None else _values(magnetometer, MAGNETIC_FIELD, path)
-
-
-def _holds_gravity(force: FloatArray) -> bool:
-    size = float(np.median(np.linalg.norm(force, axis=1)))
-    return abs(size - _GRAVITY_M_S2) < _WITH_GRAVITY * _GRAVITY_M_S2
 
 
 def _sensors(folder: Path) -> dict[str, Path]:

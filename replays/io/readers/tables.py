@@ -27,8 +27,9 @@ from motorcade.replays.io.files import open_bounded, refusal
 
 FILE_LIMIT = 2**30
 LINE_LIMIT = 2**16
-UNITS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
+UNITS = {"s": 9, "ms": 6, "100 us": 5, "us": 3, "ns": 0}
 """Powers of ten from a unit to nanoseconds."""
+_EMPTY = {b"", b"null"}
 UNIT_TOLERANCE = 0.01
 """How far a quaternion's norm, or a matrix times its transpose, may be from 1."""
 REACH_M = 1e9
@@ -163,6 +164,7 @@ def read_table(
     decimal_comma: bool = False,
     unit: str | None = None,
     header: bool = False,
+    below: int = 0,
     more_columns: bool = False,
     places: tuple[int, ...] | None = None,
 ) -> Table:
@@ -176,6 +178,7 @@ def read_table(
         unit: unit of a leading stamp column (see `UNITS`), or "clock" for times of the day; None
             where there is no such column.
         header: allow rows of names above the numbers that are not marked as comments.
+        below: the line above the first that may hold numbers.
         more_columns: ignore columns after these, and leave out rows with an empty one among these.
         places: where the stamp and each column stand in a row; by default one after another.
 
@@ -188,7 +191,7 @@ def read_table(
     least = max(places) + 1 if places is not None else wanted
     lines, stamps, numbers, empty = array("q"), array("q"), array("d"), 0
     for line, row in data_rows(path, separator):
-        if header and not lines and is_header(row):
+        if line <= below or (header and not lines and is_header(row)):
             continue
         if decimal_comma:
             row = [token.replace(b",", b".") for token in row]
@@ -198,7 +201,7 @@ def read_table(
             raise refusal(path, f"expected {expected}, got {len(row)}", line=line)
         if moved and places is not None:
             row = [row[place] for place in places]
-        if more_columns and not all(map(bytes.strip, row[:wanted])):
+        if more_columns and not _EMPTY.isdisjoint(map(bytes.strip, row[:wanted])):
             empty += 1
             continue
         try:

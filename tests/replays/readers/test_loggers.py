@@ -11,7 +11,7 @@ from motorcade.replays.cli import main
 from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.readings import read_imu_and_field, read_imu_of, read_readings
 from motorcade.replays.io.trajectories import read_trajectory
-from tests.end_to_end.loggers import KINDS, Motion, draw
+from tests.end_to_end.loggers import KINDS, G, Motion, draw
 from tests.replays.readers.bag_poses import Messages, write_messages
 
 EAST_M = 6378137.0 * np.pi / 180.0
@@ -62,6 +62,57 @@ def test_every_command_takes_them(kind: str, motion: Motion, tmp_path: Path, cap
     words = json.dumps(about)
     assert "orient" in words
     assert f"motorcade inspect {path}" not in words
+
+
+@pytest.mark.parametrize("name", ["FreeAcc_X", "userAccelerationX", "LINEAR ACCELERATION X (m/s²)"])
+def test_accelerations_without_gravity_are_no_force(
+    name: str, motion: Motion, tmp_path: Path
+) -> None:
+    names = [name, name.replace("X", "Y", 1), name.replace("X", "Z", 1)]
+    gravity = motion.truth.inverse().apply(np.broadcast_to([0.0, 0.0, G], (len(motion.imu), 3)))
+    free = motion.imu.specific_force_m_s2 - gravity
+    for with_gravity in (False, True):
+        added = ["gravity.x", "gravity.y", "gravity.z"] if with_gravity else []
+        rows = [
+            ",".join(map(repr, (time_s, *row[:3], *part, *(pull if with_gravity else ()))))
+            for time_s, row, part, pull in zip(
+                motion.time_s, motion.rows, free.tolist(), gravity.tolist(), strict=True
+            )
+        ]
+        path = tmp_path / "log.csv"
+        header = ",".join(["time (s)", "gyro_x", "gyro_y", "gyro_z", *names, *added])
+        path.write_text("\n".join([header, *rows]), encoding="utf-8")
+        if with_gravity:
+            sign = -1.0 if name.startswith("user") else 1.0
+            found = sign * read_imu_of(path).specific_force_m_s2
+            np.testing.assert_allclose(found, motion.imu.specific_force_m_s2, atol=1e-9)
+        else:
+            with pytest.raises(RecordingError, match=r"hold gravity, got .*log the whole"):
+                read_imu_of(path)
+
+
+@pytest.mark.parametrize(
+    "damage", [b"m/s\xb2", b"m/s\xc3\x82\xc2\xb2", b"m/s\xef\xbf\xbd", b"m/s?"]
+)
+def test_units_are_known_in_the_wrong_encoding(
+    damage: bytes, motion: Motion, tmp_path: Path
+) -> None:
+    path = KINDS["androsensor"](tmp_path, motion)
+    whole = read_readings(path)
+    text = path.read_bytes().replace("m/s²".encode(), damage).replace("μT".encode(), b"nT")
+    path.write_bytes(text)
+    again = read_readings(path)
+    np.testing.assert_array_equal(again.imu.specific_force_m_s2, whole.imu.specific_force_m_s2)
+    assert whole.field is not None
+    assert again.field is not None
+    np.testing.assert_allclose(again.field[1], 1e-3 * whole.field[1])
+
+
+def test_a_packet_counter_needs_its_rate(motion: Motion, tmp_path: Path) -> None:
+    path = KINDS["xsens_mtw"](tmp_path, motion)
+    path.write_text(path.read_text().replace("// Update Rate: 100.0Hz\n", ""))
+    with pytest.raises(RecordingError, match=r"Update Rate: 100 Hz.*got a counter"):
+        read_imu_of(path)
 
 
 def test_forces_without_gravity_are_refused(motion: Motion, tmp_path: Path) -> None:
