@@ -93,6 +93,8 @@ def _read_phone_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] 
 def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
     files = _sensors(folder)
     gyro, force = (_first(files, names) for names in (_GYRO, _FORCE))
+    if len(files) == 1 and folder != path:
+        return _of_table(*files.values(), True)
     if gyro is None or force is None:
         listed = ", ".join(sorted(map(one_line, files))) or "no CSV"
         problem = "expected files of a gyroscope and an accelerometer"
@@ -162,6 +164,13 @@ def _unpack(archive: ZipFile, folder: Path, path: Path) -> None:
     parts = [part for part in archive.infolist() if part.filename.lower().endswith(".csv")]
     if len(archive.infolist()) > _MOST_PARTS:
         raise refusal(path, f"expected at most {_MOST_PARTS} files, got {len(archive.infolist())}")
+    if not parts:
+        held = ", ".join(one_line(part.filename, 40) for part in archive.infolist()[:3])
+        problem = f"expected a zip of a logger's CSV files, got {held or 'an empty one'}"
+        advice = f"unpack it (unzip {path.name}), and give the folder or the file within"
+        raise refusal(
+            path, f"{problem} and others" if len(archive.infolist()) > 3 else problem, advice=advice
+        )
     depths = [len(PurePosixPath(part.filename).parts) for part in parts]
     left = ZIP_LIMIT
     for part, depth in zip(parts, depths, strict=True):

@@ -1,6 +1,7 @@
 """Readings and positions as apps and devices write them come back, through every command."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -235,3 +236,16 @@ def test_points_without_a_height_make_no_jump_to_the_sea(
 def test_header_stamps_count_before_times_of_arrival(motion: Motion, tmp_path: Path) -> None:
     imu = read_imu_of(KINDS["rostopic"](tmp_path, motion))
     np.testing.assert_array_equal(np.diff(imu.time_ns), np.diff(motion.imu.time_ns))
+
+
+def test_a_zip_is_what_is_in_it(motion: Motion, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "log.zip"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.write(KINDS["sensorlog"](tmp_path, motion), "2020/sensorlog.csv")
+    assert len(read_imu_of(path)) > 1990
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("mav0/cam0/0.png", b"")
+    with pytest.raises(RecordingError, match=r"got 'mav0/cam0/0.png'; unpack it \(unzip log.zip\)"):
+        read_imu_of(path)
+    assert main(["run", str(path), "--out", str(tmp_path / "out")]) == 1
+    assert "packed as .zip; unpack it" in capsys.readouterr().err

@@ -75,6 +75,7 @@ LAYOUTS: tuple[tuple[Callable[[Path], bool], LayoutReader, str], ...] = (
 
 
 _STILLS = (*SUFFIXES, ".heic", ".heif", ".tif", ".tiff", ".webp", ".dng")
+_PACKED = (".zip", ".tar", ".tgz", ".gz", ".xz", ".7z", ".rar", ".zst")
 _OTHER_VIDEOS = (".gif", ".wmv", ".asf", ".flv", ".f4v", ".ogv", ".mxf")
 """Films that FFmpeg converts and that are not read here."""
 
@@ -137,6 +138,9 @@ def _refuse_other_images(root: Path) -> None:
             advice="give the video, or a folder with images of one place in the order of their "
             "names",
         )
+    if kind in _PACKED:
+        problem = f"expected a recording, got what is packed as {kind}"
+        raise refusal(root, problem, advice="unpack it, and give the folder or the file within")
     if kind in _OTHER_VIDEOS:
         raise refusal(
             root,
