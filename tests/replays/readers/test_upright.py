@@ -22,6 +22,7 @@ from motorcade.tracking.cameras.camera import (
     camera_T_turned,
     turned_camera,
 )
+from tests.replays.readers.test_images import with_orientation
 
 WIDTH, HEIGHT = 96, 64
 EVERY = [ImageOrientation(turns, flip) for turns in range(4) for flip in (False, True)]
@@ -199,13 +200,44 @@ def test_a_camera_held_the_other_way_works_as_the_error_advises(tmp_path: Path) 
     assert found.distortion == SENSOR.distortion
 
 
-def test_images_held_differently_are_refused(tmp_path: Path) -> None:
-    from tests.replays.readers.test_images import with_orientation
+def _photographs(folder: Path, values: list[int]) -> Path:
+    """JPEG files of one image as stored, with these EXIF orientations."""
+    folder.mkdir()
+    stored = cv2.imencode(".jpg", _stored()[..., ::-1])[1].tobytes()
+    for number, value in enumerate(values):
+        (folder / f"IMG_{number}.jpg").write_bytes(with_orientation(stored, value))
+    return folder
 
-    data = cv2.imencode(".jpg", _stored())[1].tobytes()
-    for index, value in enumerate((3, 3, 1)):
-        (tmp_path / f"{index}.jpg").write_bytes(with_orientation(data, value))
-    manifest = tmp_path / "motorcade.toml"
-    manifest.write_text('[frames]\nimages = "*.jpg"\nrate_hz = 30\n' + camera_toml(SENSOR))
-    with pytest.raises(RecordingError, match=r"2\.jpg, frame 2: expected an image .* 180 degrees"):
-        open_recording(tmp_path).intact()
+
+@pytest.mark.parametrize("value", [1, 3, 6, 8])
+def test_photographs_that_nothing_describes_are_shown_as_they_say(
+    tmp_path: Path, value: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    frames = open_recording(_photographs(tmp_path / "room", [value] * 10)).frames
+    orientation = ImageOrientation({1: 0, 3: 2, 6: 1, 8: 3}[value])
+    whole, faults = frames.intact(None)
+    assert not faults
+    assert not caplog.records
+    assert whole.first_size() == orientation.size((WIDTH, HEIGHT))
+    assert np.abs(whole[4].image().astype(int) - orientation.upright(_stored())).mean() < 4.0
+
+
+def test_photographs_held_otherwise_than_most_are_shown_as_those(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """One camera then holds for all: what it saw of the scene is turned about its axis."""
+    values = [1, 6, 6, 6, 8, 6, 6, 6, 6, 6]
+    folder = _photographs(tmp_path / "room", values)
+    whole, faults = open_recording(folder).frames.intact(None)
+    assert not faults
+    assert len(whole) == 10
+    for frame in whole:
+        shown = ImageOrientation(1).upright(_stored())
+        assert np.abs(frame.image().astype(int) - shown).mean() < 4.0
+    assert "1 of 10 images are turned clockwise by 0 degrees" in caplog.text
+    assert "1 of 10 images are turned clockwise by 270 degrees" in caplog.text
+    (folder / "IMG_7.jpg").write_bytes(
+        with_orientation(cv2.imencode(".jpg", _stored())[1].tobytes(), 2)
+    )
+    with pytest.raises(RecordingError, match="all mirrored or none, got 1 mirrored"):
+        open_recording(folder).frames.intact(None)

@@ -57,7 +57,8 @@ class ImageFrames:
         right_files: right image of each frame, where they are rectified pairs.
         depth_camera: what took the depth images, where they do not lie on the images' pixels
             yet: they are registered as they are read, to `colour_camera`.
-        orientation: how every image says that it is to be shown.
+        orientation: how the images are shown, whatever one of them says: whose camera was held
+            otherwise is shown turned, as one camera saw it.
         shown_size: width and height of the first as shown, where `first_look` found them.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
         masks: of what moves before the scene; None without.
@@ -91,7 +92,7 @@ class ImageFrames:
     def __getitem__(self, index: int) -> Frame:
         index = range(len(self))[index]
         path, name = self.files[index], f"frame {index}"
-        read_image = partial(images.read_image, path, name, self.size)
+        read_image = partial(images.read_image, path, name, self.size, self.orientation)
         known = bool(self.depth_files) and self.depth_files[index] is not None
         read_depth = partial(self._registered, index) if known else None
         read_right = None
@@ -186,33 +187,45 @@ class ImageFrames:
         sizes: dict[Path, tuple[int, int]] = {}
         digests: dict[Path, tuple[int, bytes]] = {}
         depth = set(self.depth_files)
+        held = Counter[ImageOrientation]()
         for path, name in self._all_files("reading images"):
             advice = images.UNALIGNED if path in depth else None
             expected = size
             if path in depth and self.depth_camera is not None:
                 expected, advice = self._depth_size, images.ANOTHER_DEPTH_SIZE
             try:
-                data = images.read_image_bytes(path, name, expected, advice)
+                shown = None if path in depth else self.orientation
+                data = images.read_image_bytes(path, name, expected, advice, shown)
             except DamagedError as fault:
                 damage[path] = fault
                 continue
             if path not in depth:
-                self._check_orientation(path, name, data)
-                sizes[path] = images.upright_size(data)
+                held[image_orientation(data)] += 1
+                sizes[path] = self.orientation.size(images.image_size(data))
             digests[path] = _digest(data)
+        self._check_orientations(held)
         return damage | _of_another_size(sizes), digests
 
-    def _check_orientation(self, path: Path, name: str, data: bytes) -> None:
-        """One camera holds for all images, so all must be held alike."""
-        orientation = image_orientation(data)
-        if orientation != self.orientation:
-            raise refusal(
-                path,
-                f"expected an image that is shown as the others are ({_told(self.orientation)}), "
-                f"got one {_told(orientation)}",
-                field=name,
-                advice="leave it out: one camera holds for images that are held alike",
-            )
+    def _check_orientations(self, held: Counter[ImageOrientation]) -> None:
+        """Say how many images were held otherwise; a mirrored one is of no camera of the others."""
+        for orientation, count in held.items():
+            if orientation.mirrored != self.orientation.mirrored:
+                raise refusal(
+                    self.files[0].parent,
+                    f"expected images that are all mirrored or none, got {count} "
+                    f"{_told(orientation)} among others {_told(self.orientation)}",
+                    advice="leave them out: one camera holds for all",
+                )
+            if orientation != self.orientation:
+                _LOG.warning(
+                    "%s: %d of %d images are %s, most are %s: they are shown as those, so that one "
+                    "camera holds for all",
+                    self.files[0].parent,
+                    count,
+                    held.total(),
+                    _told(orientation),
+                    _told(self.orientation),
+                )
 
     def content(self) -> Iterator[bytes]:
         """Size and digest of every image; files that were not checked yet are read."""
@@ -231,7 +244,8 @@ class ImageFrames:
         Raises:
             RecordingError: the first image is missing or truncated.
         """
-        return self.shown_size or first_look(self.files)[0]
+        data = images.read_image_bytes(self.files[0], "frame 0", None)
+        return self.shown_size or self.orientation.size(images.image_size(data))
 
     def first_depth_size(self) -> tuple[int, int]:
         """Width and height of the first depth image; raises as `first_size`."""
@@ -253,14 +267,20 @@ class ImageFrames:
         return track(named, what, sum(len(files) for _, files in kinds))
 
 
+_LOOKED_AT = 9
+
+
 def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], ImageOrientation]:
-    """Width and height of the first of some images as shown, and how that is to be done.
+    """Width and height of the first of some images as shown, and how most are to be shown.
 
     Raises:
-        RecordingError: the image is missing or truncated.
+        RecordingError: an image is missing or truncated.
     """
-    data = images.read_image_bytes(files[0], "frame 0", None)
-    return images.upright_size(data), image_orientation(data)
+    some = np.unique(np.linspace(0, len(files) - 1, _LOOKED_AT).astype(int)).tolist()
+    first, *others = (images.read_image_bytes(files[k], f"frame {k}", None) for k in some)
+    held = Counter(image_orientation(data) for data in (first, *others))
+    orientation = held.most_common(1)[0][0]
+    return orientation.size(images.image_size(first)), orientation
 
 
 def _of_another_size(sizes: Mapping[Path, tuple[int, int]]) -> dict[Path, DamagedError]:

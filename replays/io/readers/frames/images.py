@@ -150,12 +150,16 @@ ANOTHER_DEPTH_SIZE = "correct the depth camera's width and height, or leave the 
 
 
 def read_image_bytes(
-    path: Path, field: str | None, size: tuple[int, int] | None, advice: str | None = None
+    path: Path,
+    field: str | None,
+    size: tuple[int, int] | None,
+    advice: str | None = None,
+    orientation: ImageOrientation | None = None,
 ) -> bytes:
     """Read an image file and check that it is whole and has this size (width, height), upright.
 
     `advice` is what to do about another size, where that is not the camera's. A frame, which a
-    field names, has at most `FRAME_PIXELS` pixels.
+    field names, has at most `FRAME_PIXELS` pixels. An `orientation` overrules the file's own.
 
     Raises:
         DamagedError: empty, truncated, corrupt, no image at all, or another size than the camera's.
@@ -163,7 +167,7 @@ def read_image_bytes(
     """
     data = read_bounded(path, FILE_LIMIT, field)
     try:
-        width, height = upright_size(data)
+        width, height = (orientation or image_orientation(data)).size(image_size(data))
     except ValueError as fault:
         raise _damaged(path, str(fault), field) from fault
     if field is not None and width * height > FRAME_PIXELS:
@@ -181,15 +185,20 @@ def _damaged(path: Path, problem: str, field: str | None) -> DamagedError:
     return DamagedError(str(refusal(path, problem, field=field, advice=_COPY_AGAIN)))
 
 
-def read_image(path: Path, field: str, size: tuple[int, int] | None) -> ImageArray:
+def read_image(
+    path: Path,
+    field: str,
+    size: tuple[int, int] | None,
+    orientation: ImageOrientation | None = None,
+) -> ImageArray:
     """Decode an image, upright: uint8, RGB ``(height, width, 3)`` or grey ``(height, width)``.
 
-    16-bit files are reduced to 8 bits.
+    16-bit files are reduced to 8 bits. An `orientation` overrules the file's own.
 
     Raises:
         RecordingError: as `read_image_bytes`, and what cannot be decoded.
     """
-    data = read_image_bytes(path, field, size)
+    data = read_image_bytes(path, field, size, orientation=orientation)
     flags = cv2.IMREAD_ANYCOLOR | cv2.IMREAD_IGNORE_ORIENTATION
     image = _decode(path, data, field, flags)
     if image.dtype != np.uint8:
@@ -198,7 +207,7 @@ def read_image(path: Path, field: str, size: tuple[int, int] | None) -> ImageArr
         for row in range(0, len(image), _BLOCK_ROWS):  # in place, so that it is held once
             block = image[row : row + _BLOCK_ROWS]
             block[...] = cv2.cvtColor(block, cv2.COLOR_BGR2RGB)
-    return image_orientation(data).upright(np.asarray(image, dtype=np.uint8))
+    return (orientation or image_orientation(data)).upright(np.asarray(image, dtype=np.uint8))
 
 
 def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
@@ -246,11 +255,6 @@ def read_depth(
     metres = stored.astype(np.float32) / np.float32(units_per_m)
     metres[unknown] = np.nan
     return np.asarray(metres, dtype=np.float32)
-
-
-def upright_size(data: bytes) -> tuple[int, int]:
-    """Find the width and height that a whole image file is shown in; raises as `image_size`."""
-    return image_orientation(data).size(image_size(data))
 
 
 def image_size(data: bytes) -> tuple[int, int]:

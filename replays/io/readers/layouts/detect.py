@@ -12,7 +12,12 @@ from typing import Protocol
 
 from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.frames import video
-from motorcade.replays.io.readers.frames.files import ImageFrames, images_in, stamps_of_names
+from motorcade.replays.io.readers.frames.files import (
+    ImageFrames,
+    first_look,
+    images_in,
+    stamps_of_names,
+)
 from motorcade.replays.io.readers.frames.images import SUFFIXES
 from motorcade.replays.io.readers.layouts import (
     euroc,
@@ -100,7 +105,9 @@ def read_layout(root: Path, *, own_truth: bool = True) -> Recording:
         return read(root, own_truth=own_truth)
     if (folder := _folder_of_images(root)) is not None:
         files = images_in(folder)
-        frames = ImageFrames(files, stamps_of_names(files, RATE_HZ))
+        shown_size, orientation = first_look(files)
+        time_ns = stamps_of_names(files, RATE_HZ)
+        frames = ImageFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
         return Recording(root.resolve().name, root, LOOSE_IMAGES, frames)
     if root.is_dir() and not any(root.iterdir()):
         raise refusal(root, "expected a recording, got an empty folder")
