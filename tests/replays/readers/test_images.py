@@ -227,7 +227,7 @@ def test_a_manifest_says_how_many_numbers_are_not_there(
     (tmp_path / "motorcade.toml").write_text('[frames]\nimages = "*.png"\nrate_hz = 10.0\n')
     frames = open_recording(tmp_path).frames
     np.testing.assert_array_equal(frames.time_ns, np.array([0, 1, 2, 5, 6]) * 100_000_000)
-    assert "7 images by their numbers, of which 2 are not there" in caplog.text
+    assert "of 7 images by their numbers 2 are not there, the first between 005.png" in caplog.text
 
 
 def test_series_of_several_cameras_are_refused_by_their_patterns() -> None:

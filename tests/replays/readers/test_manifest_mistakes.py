@@ -36,7 +36,7 @@ MISTAKES = {
     "two stamps": (FRAMES + 'stamps = "t.txt"\n', "expected either rate_hz or stamps, got both"),
     "unit": (
         '[frames]\nimages = "images/*.jpg"\nstamps = "t.txt"\nstamps_unit = "sec"\n',
-        "stamps_unit: expected one of s, ms, us, ns",
+        "stamps_unit: expected one of s, ms, 100 us, us, ns",
     ),
     "no images": (FRAMES.replace("images/*", "img/*"), "expected images 'img/.*', got none"),
     "no images but": (FRAMES.replace("images/*.jpg", "*.txt"), r"poses\.txt: expected images"),

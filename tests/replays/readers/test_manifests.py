@@ -323,7 +323,9 @@ class TestOnTopOfALayout:
             described(make("folder").root, CAMERA)
 
 
-def test_a_missing_or_truncated_image_is_named(make: Make) -> None:
+def test_a_missing_or_truncated_image_is_named(
+    make: Make, caplog: pytest.LogCaptureFixture
+) -> None:
     made = make("folder")
     path = made.root / "images" / "img_7.jpg"
     data = path.read_bytes()
@@ -331,8 +333,8 @@ def test_a_missing_or_truncated_image_is_named(make: Make) -> None:
     with pytest.raises(RecordingError, match=r"img_7\.jpg, frame 6: the image is truncated"):
         described(made.root, FRAMES, CAMERA).check()
     path.unlink()
-    with pytest.raises(RecordingError, match=r"img_6\.jpg followed by img_8\.jpg"):
-        described(made.root, FRAMES, CAMERA)
+    described(made.root, FRAMES, CAMERA)
+    assert "1 are not there, the first between img_6.jpg and img_8.jpg" in caplog.text
 
 
 def test_a_found_manifest_may_not_look_outside(make: Make) -> None:

@@ -259,13 +259,15 @@ class _Manifest:
             time_ns = stamps_of_names(files, rate_hz)
             counted = round(1e-9 * float(time_ns[-1] - time_ns[0]) * rate_hz) + 1
             if time_ns[0] == 0 and counted > len(files):
-                missing = counted - len(files)
+                gap = int(np.argmax(np.diff(time_ns) > 1.5e9 / rate_hz))
                 _LOG.warning(
-                    "%s: %d images by their numbers, of which %d are not there: the stamps leave "
-                    "gaps for them",
+                    "%s: of %d images by their numbers %d are not there, the first between %s and "
+                    "%s: the stamps leave gaps for them",
                     self.path,
                     counted,
-                    missing,
+                    counted - len(files),
+                    files[gap].name,
+                    files[gap + 1].name,
                 )
         shown_size, orientation = first_look(files)
         frames = ImageFrames(files, time_ns, orientation=orientation, shown_size=shown_size)
