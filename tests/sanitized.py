@@ -27,7 +27,6 @@ MODULES = {
     "motorcade.ga.codegen.runtime._trampoline",
     "motorcade.ga.kernels._compiled",
     "motorcade.fusion.smoothing.native._columns",
-    "motorcade.fusion.smoothing.native._inliers",
     "motorcade.fusion.smoothing.native._robust_map",
     "motorcade.fusion.smoothing.native._scans",
     "motorcade.fusion.smoothing.native._live",

@@ -543,21 +543,21 @@ static inline void motorcade_inner_add_noise(motorcade_inner_matrix *p, int bloc
                 p->at[i * 6 + c][j * 6 + c] += densities[c] * densities[c] * q[i][j];
 }
 
-/* The first six rows and columns turned: T p T'. */
+/* The first six rows and columns turned: T p T'. The upper right quarter of an adjoint is zero. */
 static inline void motorcade_inner_turn(motorcade_inner_matrix *p, int blocks,
                                         const double turn[36]) {
     const int size = 6 * blocks;
-    double rows[6][18] = {{0.0}}, first[6][6] = {{0.0}};
+    double rows[6][18] = {{0.0}};
     for (int i = 0; i < 6; ++i)
-        for (int k = 0; k < 6; ++k)
+        for (int k = 0; k < (i < 3 ? 3 : 6); ++k)
             for (int j = 0; j < size; ++j) rows[i][j] += turn[6 * i + k] * p->at[k][j];
     for (int i = 0; i < 6; ++i)
-        for (int j = 0; j < 6; ++j)
-            for (int k = 0; k < 6; ++k) first[i][j] += rows[i][k] * turn[6 * j + k];
-    for (int i = 0; i < 6; ++i) {
-        for (int j = 0; j < 6; ++j) p->at[i][j] = first[i][j];
-        for (int j = 6; j < size; ++j) p->at[i][j] = p->at[j][i] = rows[i][j];
-    }
+        for (int j = i; j < size; ++j) {
+            double total = j < 6 ? 0.0 : rows[i][j];
+            for (int k = 0; k < (j < 3 ? 3 : 6) && j < 6; ++k)
+                total += rows[i][k] * turn[6 * j + k];
+            p->at[i][j] = p->at[j][i] = total;
+        }
 }
 
 /* One step of dt along a motion: turned by half of it, drifted, turned by the other half. */

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.native import _inliers
+from motorcade.fusion.smoothing.native import _columns
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -48,7 +48,7 @@ def inlier_poses(
     kept = np.ones(len(poses), dtype=np.bool_)
     if len(poses) >= 3:
         coefficients = np.ascontiguousarray(poses.coefficients, dtype=np.float64)
-        _inliers.chain(np.ascontiguousarray(time_s), coefficients, rotation, translation, kept)
+        _columns.chain(np.ascontiguousarray(time_s), coefficients, rotation, translation, kept)
     return kept
 
 

@@ -1,3 +1,6 @@
+import numpy as np
+from numpy.typing import NDArray
+
 from motorcade.ga.arrays import FloatArray, IntArray
 
 def spline(
@@ -11,3 +14,10 @@ def spline(
     out: tuple[FloatArray, FloatArray, FloatArray, FloatArray] | None = None,
     shocks: FloatArray | None = None,
 ) -> tuple[float, list[float], float]: ...
+def chain(
+    time_s: FloatArray,
+    poses: FloatArray,
+    rotation: tuple[float, float],
+    translation: tuple[float, float],
+    kept: NDArray[np.bool_],
+) -> None: ...

@@ -1,17 +1,21 @@
-// Binds the splines of columns to Python. Arrays come checked and C-ordered; see
-// motorcade.fusion.smoothing.batch.columns. The interpreter lock is released.
+// Binds the splines of columns and the longest smooth chain of poses to Python. Arrays come checked
+// and C-ordered; see motorcade.fusion.smoothing.batch.columns and .inliers. The interpreter lock is
+// released.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "columns.h"
+#include "inliers.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -25,10 +29,19 @@ using Rows = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cp
 using Made = nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using MadeRows = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using MadeShocks = nb::ndarray<double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using Marks = nb::ndarray<bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+// Noise and density of white acceleration.
+using Pair = std::pair<double, double>;
 using Out = std::tuple<MadeRows, MadeRows, Made, Made>;
 
 void expect(bool holds, const char *what) {
     if (!holds) throw std::invalid_argument(what);
+}
+
+// Calls `action.template operator()<N>()` for that of the sizes which is given, if there is one.
+template <std::size_t... Sizes, class Action>
+bool with_size(std::index_sequence<Sizes...>, std::size_t given, Action &&action) {
+    return ((Sizes == given && (action.template operator()<Sizes>(), true)) || ...);
 }
 
 nb::tuple spline(const Numbers &time_s, const Rows &values, const Numbers &weights,
@@ -70,46 +83,34 @@ nb::tuple spline(const Numbers &time_s, const Rows &values, const Numbers &weigh
         rows = found.rows, logarithms = found.logarithms;
         squares.assign(found.squares.begin(), found.squares.end());
     };
-    const auto of_order = [&]<std::size_t Order>() {
-        switch (columns) {
-        case 1:
-            return run.template operator()<Order, 1>();
-        case 6:
-            return run.template operator()<Order, 6>();
-        case 7:
-            return run.template operator()<Order, 7>();
-        case 8:
-            return run.template operator()<Order, 8>();
-        case 9:
-            return run.template operator()<Order, 9>();
-        default:
-            throw std::invalid_argument("values: expected 1, or 6 to 9 columns");
-        }
-    };
     {
         nb::gil_scoped_release unlocked;
-        switch (order) {
-        case 0:
-            of_order.operator()<0>();
-            break;
-        case 1:
-            of_order.operator()<1>();
-            break;
-        case 2:
-            of_order.operator()<2>();
-            break;
-        default:
-            of_order.operator()<3>();
-            break;
-        }
+        with_size(std::index_sequence<0, 1, 2, 3>{}, order, [&]<std::size_t Order>() {
+            expect(with_size(std::index_sequence<1, 6, 7, 8, 9>{}, columns,
+                             [&]<std::size_t D>() { run.template operator()<Order, D>(); }),
+                   "values: expected 1, or 6 to 9 columns");
+        });
     }
     return nb::make_tuple(rows, squares, logarithms);
+}
+
+void chain(const Numbers &time_s, const Rows &poses, const Pair &rotation, const Pair &translation,
+           const Marks &kept) {
+    const std::size_t count = time_s.shape(0);
+    expect(count > 2 && poses.shape(0) == count && poses.shape(1) == 8 && kept.shape(0) == count,
+           "poses: expected three or more, with a stamp and a mark each");
+    nb::gil_scoped_release unlocked;
+    InlierChain(
+        {time_s.data(), poses.data(), count},
+        {Sizes{rotation.first, rotation.second}, Sizes{translation.first, translation.second}})
+        .mark(kept.data());
 }
 
 }  // namespace
 
 NB_MODULE(_columns, module) {
-    module.doc() = "Smoothing splines of columns; see motorcade.fusion.smoothing.batch.columns.";
+    module.doc() = "Smoothing splines of columns; see motorcade.fusion.smoothing.batch.";
     module.def("spline", &spline, "time_s"_a, "values"_a, "weights"_a, "jumps"_a, "order"_a,
                "density"_a, "memory_s"_a, "out"_a = nb::none(), "shocks"_a = nb::none());
+    module.def("chain", &chain, "time_s"_a, "poses"_a, "rotation"_a, "translation"_a, "kept"_a);
 }

@@ -9,17 +9,18 @@
 #include <limits>
 
 #include "lanes.h"
+#include "support.h"
 #include "vectors.h"
 
 namespace motorcade::smooth {
 
-template <std::size_t N> using Square = std::array<std::array<double, N>, N>;
+template <std::size_t N, class Real = double> using Square = std::array<std::array<Real, N>, N>;
 
-template <std::size_t N>
-MOTORCADE_INLINE Square<N> product(const Square<N> &a, const Square<N> &b) {
-    Square<N> made;
+template <std::size_t N, class Real>
+MOTORCADE_INLINE Square<N, Real> product(const Square<N, Real> &a, const Square<N, Real> &b) {
+    Square<N, Real> made;
     for (std::size_t i = 0; i < N; ++i) {
-        LaneRow<N> row;
+        LaneRow<N, Real> row;
         for (std::size_t k = 0; k < N; ++k) row.add(a[i][k], b[k].data());
         row.write(made[i].data());
     }
@@ -33,22 +34,24 @@ MOTORCADE_INLINE Square<N> product(const Square<N> &a, const Square<N> &b) {
 // row by row, and whole rows, what is left of the diagonal meaning nothing. No root is taken: each
 // row waits for the one before. Of a matrix that is not positive definite, all that is solved is
 // NaN.
-template <std::size_t N> struct Factored {
-    Square<N> upper;
-    Vector<N> inverse;
-    double determinant = 1.0;
+template <std::size_t N, class Real = double> struct Factored {
+    Square<N, Real> upper;
+    Vector<N, Real> inverse;
+    Real determinant = 1.0;
 
-    MOTORCADE_INLINE explicit Factored(const Square<N> &a) {
-        Square<N> pivots;
+    Factored() = default;
+    MOTORCADE_INLINE explicit Factored(const Square<N, Real> &a) {
+        const Real unknown = std::numeric_limits<double>::quiet_NaN();
+        Square<N, Real> pivots;
         MOTORCADE_ROWS
         for (std::size_t k = 0; k < N; ++k) {
-            LaneRow<N> row(a[k].data());
+            LaneRow<N, Real> row(a[k].data());
             MOTORCADE_ROWS
             for (std::size_t m = 0; m < k; ++m) row.subtract(upper[m][k], pivots[m].data());
             row.write(pivots[k].data());
-            const double pivot = pivots[k][k];
+            const Real pivot = pivots[k][k];
             determinant *= pivot;
-            inverse[k] = pivot > 0.0 ? 1.0 / pivot : std::numeric_limits<double>::quiet_NaN();
+            inverse[k] = chosen(pivot > 0.0, 1.0 / pivot, unknown);
             row.scale(inverse[k]);
             row.write(upper[k].data());
         }
@@ -56,22 +59,22 @@ template <std::size_t N> struct Factored {
 
     // a⁻¹ times N rows of M numbers, in place.
     template <std::size_t M>
-    MOTORCADE_INLINE void solve(std::array<std::array<double, M>, N> &rows) const {
+    MOTORCADE_INLINE void solve(std::array<Vector<M, Real>, N> &rows) const {
         for (std::size_t i = 1; i < N; ++i) {
-            LaneRow<M> row(rows[i].data());
+            LaneRow<M, Real> row(rows[i].data());
             for (std::size_t k = 0; k < i; ++k) row.subtract(upper[k][i], rows[k].data());
             row.write(rows[i].data());
         }
         for (std::size_t i = N; i-- > 0;) {
-            LaneRow<M> row(rows[i].data());
+            LaneRow<M, Real> row(rows[i].data());
             row.scale(inverse[i]);
             for (std::size_t k = N; k-- > i + 1;) row.subtract(upper[i][k], rows[k].data());
             row.write(rows[i].data());
         }
     }
 
-    MOTORCADE_INLINE Vector<N> solved(const Vector<N> &right) const {
-        Vector<N> made = right;
+    MOTORCADE_INLINE Vector<N, Real> solved(const Vector<N, Real> &right) const {
+        Vector<N, Real> made = right;
         MOTORCADE_ROWS
         for (std::size_t k = 0; k < N; ++k) {
             MOTORCADE_ROWS
@@ -88,12 +91,12 @@ template <std::size_t N> struct Factored {
 };
 
 // What white noise of unit density on the highest derivative adds in dt.
-template <std::size_t S> Square<S> diffusion(double dt) {
+template <std::size_t S, class Real> Square<S, Real> diffusion(const Real &dt) {
     constexpr double factorial[] = {1.0, 1.0, 2.0, 6.0};
-    double power[2 * S];
+    Real power[2 * S];
     power[0] = 1.0;
     for (std::size_t k = 1; k < 2 * S; ++k) power[k] = power[k - 1] * dt;
-    Square<S> q;
+    Square<S, Real> q;
     for (std::size_t i = 0; i < S; ++i)
         for (std::size_t j = 0; j < S; ++j) {
             const std::size_t a = S - 1 - i, b = S - 1 - j;
@@ -103,24 +106,26 @@ template <std::size_t S> Square<S> diffusion(double dt) {
     return q;
 }
 
-template <std::size_t N, std::size_t S> struct Covariance;
+template <std::size_t N, std::size_t S, class Real = double> struct Covariance;
 
 // Nothing couples.
-template <std::size_t S> struct Covariance<0, S> { Square<0> p{}; };
+template <std::size_t S, class Real> struct Covariance<0, S, Real> { Square<0, Real> p{}; };
 
-template <std::size_t N, std::size_t S> struct Covariance {
+template <std::size_t N, std::size_t S, class Real> struct Covariance {
     static constexpr std::size_t ALL = N * S;
-    Square<ALL> p{};
+    using Turn = Square<N, Real>;
+    using Column = Vector<ALL, Real>;
+    Square<ALL, Real> p{};
 
     // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned
     // again.
-    [[gnu::noinline]] void propagate(const Square<N> &turn, double dt) {
+    MOTORCADE_SIMD [[gnu::noinline]] void propagate(const Turn &turn, const Real &dt) {
         turned(turn);
         drifted(dt);
         turned(turn);
     }
 
-    void add_noise(const Vector<N> &densities, double dt) {
+    void add_noise(const Vector<N> &densities, const Real &dt) {
         const auto q = diffusion<S>(dt);
         for (std::size_t i = 0; i < S; ++i)
             for (std::size_t j = 0; j < S; ++j)
@@ -128,33 +133,33 @@ template <std::size_t N, std::size_t S> struct Covariance {
                     p[i * N + c][j * N + c] += densities[c] * densities[c] * q[i][j];
     }
 
-    // Conditions on a measurement of the pose with such variances. Returns the gain, transposed,
-    // and the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
+    // Conditions on a measurement of the pose with such variances. Fills the gain, transposed, and
+    // the factor of the innovation's covariance. What a wide prior would cancel is multiplied.
     struct Gain {
-        std::array<std::array<double, ALL>, N> rows;
-        Factored<N> factor;
+        std::array<Column, N> rows;
+        Factored<N, Real> factor;
 
-        MOTORCADE_INLINE explicit Gain(const Square<N> &sum) : factor(sum) {}
-        double of(std::size_t i, const Vector<N> &innovation) const {
-            double total = 0.0;
+        Real of(std::size_t i, const Vector<N, Real> &innovation) const {
+            Real total{};
             for (std::size_t c = 0; c < N; ++c) total += rows[c][i] * innovation[c];
             return total;
         }
     };
-    [[gnu::noinline]] Gain measured(const Vector<N> &variances) {
-        Square<N> sum;
+    MOTORCADE_SIMD [[gnu::noinline]] void measured(const Vector<N, Real> &variances, Gain &gain) {
+        Turn sum;
         for (std::size_t c = 0; c < N; ++c)
-            for (std::size_t k = 0; k < N; ++k) sum[c][k] = p[c][k] + (c == k ? variances[c] : 0.0);
-        Gain gain(sum);
+            for (std::size_t k = 0; k < N; ++k)
+                sum[c][k] = p[c][k] + (c == k ? variances[c] : Real{});
+        gain.factor = Factored<N, Real>(sum);
         for (std::size_t c = 0; c < N; ++c) gain.rows[c] = p[c];
         gain.factor.solve(gain.rows);
         for (std::size_t i = N; i < ALL; ++i) {
-            LaneRow<ALL - N> row(&p[i][N]);
+            LaneRow<ALL - N, Real> row(&p[i][N]);
             for (std::size_t c = 0; c < N; ++c) row.subtract(p[c][i], &gain.rows[c][N]);
             row.write(&p[i][N]);
         }
         for (std::size_t c = 0; c < N; ++c) {
-            LaneRow<ALL> row(gain.rows[c].data());
+            LaneRow<ALL, Real> row(gain.rows[c].data());
             row.scale(variances[c]);
             row.write(p[c].data());
         }
@@ -162,51 +167,53 @@ template <std::size_t N, std::size_t S> struct Covariance {
             for (std::size_t c = 0; c < N; ++c) p[i][c] = p[c][i];
         mirror(0, N);
         mirror(N, ALL);
-        return gain;
     }
 
-    [[gnu::noinline]] Factored<ALL> factored() const { return Factored<ALL>(p); }
+    MOTORCADE_SIMD [[gnu::noinline]] Factored<ALL, Real> factored() const {
+        return Factored<ALL, Real>(p);
+    }
 
     // Q p⁻¹, p being factored: of a residual behind a prediction `p` with that noise, how much is
     // the noise's.
-    [[gnu::noinline]] Square<ALL> noise_share(const Factored<ALL> &factor,
-                                              const Vector<N> &densities, double dt) const {
-        Square<ALL> inverse{};
+    [[gnu::noinline]] Square<ALL, Real> noise_share(const Factored<ALL, Real> &factor,
+                                                    const Vector<N> &densities,
+                                                    const Real &dt) const {
+        Square<ALL, Real> inverse{};
         for (std::size_t i = 0; i < ALL; ++i) inverse[i][i] = 1.0;
         factor.solve(inverse);
         return noise_times(densities, dt, inverse);
     }
 
     // The same times a residual.
-    [[gnu::noinline]] Vector<ALL> noise_share(const Factored<ALL> &factor,
-                                              const Vector<N> &densities, double dt,
-                                              const Vector<ALL> &of) const {
+    MOTORCADE_SIMD [[gnu::noinline]] Column noise_share(const Factored<ALL, Real> &factor,
+                                                        const Vector<N> &densities, const Real &dt,
+                                                        const Column &of) const {
         const auto weighed = factor.solved(of);
-        std::array<std::array<double, 1>, ALL> rows;
+        std::array<Vector<1, Real>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
         rows = noise_times(densities, dt, rows);
-        Vector<ALL> made;
+        Column made;
         for (std::size_t i = 0; i < ALL; ++i) made[i] = rows[i][0];
         return made;
     }
 
     // p Fᵀ predicted⁻¹ times a residual: what the filtered state gains from one behind its
     // prediction.
-    [[gnu::noinline]] Vector<ALL> gained(const Covariance &predicted, const Square<N> &turn,
-                                         double dt, const Vector<ALL> &residual) const {
-        auto way = Factored<ALL>(predicted.p).solved(residual);
+    [[gnu::noinline]] Column gained(const Covariance &predicted, const Turn &turn, const Real &dt,
+                                    const Column &residual) const {
+        auto way = Factored<ALL, Real>(predicted.p).solved(residual);
         const auto turn_back = [&] {
-            Vector<N> first{};
+            Vector<N, Real> first{};
             for (std::size_t k = 0; k < N; ++k)
                 for (std::size_t i = 0; i < N; ++i) first[i] += turn[k][i] * way[k];
             for (std::size_t i = 0; i < N; ++i) way[i] = first[i];
         };
         turn_back();
         for (std::size_t i = ALL; i-- > N;)
-            way[i] +=
-                dt * way[i - N] + (i >= 2 * N ? 0.5 * dt * dt * way[(i + ALL - 2 * N) % ALL] : 0.0);
+            way[i] += dt * way[i - N] +
+                      (i >= 2 * N ? 0.5 * dt * dt * way[(i + ALL - 2 * N) % ALL] : Real{});
         turn_back();
-        Vector<ALL> made{};
+        Column made{};
         for (std::size_t i = 0; i < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j) made[i] += p[i][j] * way[j];
         return made;
@@ -214,9 +221,9 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
     // The covariance before a prediction from the smoothed one behind it: with K = 1 - share, p
     // becomes F⁻¹ (K p Kᵀ + K Q) F⁻ᵀ, with the inverse step's `turn`.
-    [[gnu::noinline]] void rts_step(const Square<ALL> &share, const Vector<N> &densities,
-                                    const Square<N> &turn, double dt) {
-        Square<ALL> known, flipped;
+    [[gnu::noinline]] void rts_step(const Square<ALL, Real> &share, const Vector<N> &densities,
+                                    const Turn &turn, const Real &dt) {
+        Square<ALL, Real> known, flipped;
         for (std::size_t i = 0; i < ALL; ++i)
             for (std::size_t j = 0; j < ALL; ++j) {
                 known[i][j] = (i == j ? 1.0 : 0.0) - share[i][j];
@@ -231,45 +238,52 @@ template <std::size_t N, std::size_t S> struct Covariance {
 
 private:
     template <std::size_t M>
-    static auto noise_times(const Vector<N> &densities, double dt,
-                            const std::array<std::array<double, M>, ALL> &rows) {
-        std::array<std::array<double, M>, ALL> made{};
+    static auto noise_times(const Vector<N> &densities, const Real &dt,
+                            const std::array<Vector<M, Real>, ALL> &rows) {
+        std::array<Vector<M, Real>, ALL> made{};
         const auto q = diffusion<S>(dt);
         for (std::size_t i = 0; i < S; ++i)
             for (std::size_t c = 0; c < N; ++c)
                 for (std::size_t j = 0; j < S; ++j) {
-                    const double factor = densities[c] * densities[c] * q[i][j];
+                    const Real factor = densities[c] * densities[c] * q[i][j];
                     for (std::size_t k = 0; k < M; ++k)
                         made[i * N + c][k] += factor * rows[j * N + c][k];
                 }
         return made;
     }
 
-    MOTORCADE_INLINE void turned(const Square<N> &turn) {
+    // Of twists, the upper right quarter of an adjoint is zero.
+    static constexpr std::size_t reach(std::size_t i) { return N >= 6 && i < 3 ? 3 : N; }
+
+    MOTORCADE_INLINE void turned(const Turn &turn) {
         if constexpr (N > 1) {
-            std::array<std::array<double, ALL>, N> rows;
-            Square<N> across;
+            std::array<Column, N> rows;
             MOTORCADE_ROWS
             for (std::size_t i = 0; i < N; ++i) {
-                LaneRow<ALL> row;
+                LaneRow<ALL, Real> row;
                 MOTORCADE_ROWS
-                for (std::size_t k = 0; k < N; ++k) row.add(turn[i][k], p[k].data());
+                for (std::size_t k = 0; k < N; ++k)
+                    if (k < reach(i)) row.add(turn[i][k], p[k].data());
                 row.write(rows[i].data());
-                for (std::size_t k = 0; k < N; ++k) across[k][i] = turn[i][k];
             }
+            MOTORCADE_ROWS
             for (std::size_t i = 0; i < N; ++i) {
-                LaneRow<N> first;
                 MOTORCADE_ROWS
-                for (std::size_t k = 0; k < N; ++k) first.add(rows[i][k], across[k].data());
-                first.write(p[i].data());
+                for (std::size_t j = i; j < N; ++j) {
+                    Real total{};
+                    MOTORCADE_ROWS
+                    for (std::size_t k = 0; k < N; ++k)
+                        if (k < reach(j)) total += rows[i][k] * turn[j][k];
+                    p[i][j] = p[j][i] = total;
+                }
             }
             for (std::size_t i = 0; i < N; ++i)
                 for (std::size_t j = N; j < ALL; ++j) p[i][j] = p[j][i] = rows[i][j];
         }
     }
 
-    MOTORCADE_INLINE void drifted(double dt) {
-        const double half = 0.5 * dt * dt;
+    MOTORCADE_INLINE void drifted(const Real &dt) {
+        const Real half = 0.5 * dt * dt;
         for (std::size_t i = 0; i + N < ALL; ++i) moved<ALL>(p[i].data(), ALL * N, dt, half, i);
         for (auto &row : p)
             for (std::size_t j = 0; j + N < ALL; j += N) moved<N>(&row[j], N, dt, half, j);
@@ -278,9 +292,9 @@ private:
     // Adds to numbers what lies one step behind them, and two: with `at` the component, where there
     // is one.
     template <std::size_t M>
-    MOTORCADE_INLINE static void moved(double *numbers, std::size_t step, double dt, double half,
-                                       std::size_t at) {
-        LaneRow<M> by;
+    MOTORCADE_INLINE static void moved(Real *numbers, std::size_t step, const Real &dt,
+                                       const Real &half, std::size_t at) {
+        LaneRow<M, Real> by;
         by.add(dt, numbers + step);
         if (at + 2 * N < ALL) by.add(half, numbers + 2 * step);
         by.add(1.0, numbers);

@@ -335,8 +335,7 @@ private:
 
 // Where the state of a linear filter goes. Components that are no pose until they are projected
 // stay as the filter has them: projected at every step, they would no longer fit its rates.
-template <Representation R>
-Vector<R::size> unprojected(const Vector<R::size> &base, const Vector<R::freedom> &v) {
+template <class R, class X, class V> X unprojected(const X &base, const V &v) {
     if constexpr (requires { R::unprojected(base, v); })
         return R::unprojected(base, v);
     else
@@ -351,10 +350,70 @@ template <Representation R> Vector<R::size> projected(const Vector<R::size> &x) 
         return x;
 }
 
-// Calls `action.template operator()<R>()` for the representation of that name.
-template <class Action> auto with_rigid_or_scaled(bool scale, Action &&action, auto type) {
-    using R = typename decltype(type)::type;
-    return scale ? action.template operator()<WithScale<R>>() : action.template operator()<R>();
+// Poses of as many paths as there are lanes, each by itself.
+template <Representation R> struct InLanes {
+    static constexpr std::size_t pose_size = R::pose_size, size = R::size, freedom = R::freedom,
+                                 coupled = R::coupled;
+    static constexpr auto ends = R::ends;
+    static constexpr auto units = R::units;
+    using X = Vector<size, Lanes>;
+    using V = Vector<freedom, Lanes>;
+
+    static X read(const Vector<pose_size, Lanes> &pose) {
+        return each<size>([](const auto &one) { return R::read(one); }, pose);
+    }
+    static V local(const X &x, const X &base) { return each<freedom>(R::local, x, base); }
+    static X retract(const X &base, const V &v) { return each<size>(R::retract, base, v); }
+    static X unprojected(const X &base, const V &v) {
+        return each<size>(smooth::unprojected<R, Vector<size>, Vector<freedom>>, base, v);
+    }
+    static X continued(const X &x, const X &previous) {
+        return each<size>(R::continued, x, previous);
+    }
+    static Square<coupled, Lanes> adjoint_of_inverse(const V &v) {
+        Square<coupled, Lanes> made;
+        for (std::size_t k = 0; k < Lanes::COUNT; ++k) {
+            const Square<coupled> matrix = R::adjoint_of_inverse(one_of(v, k));
+            for (std::size_t i = 0; i < coupled; ++i)
+                for (std::size_t j = 0; j < coupled; ++j) made[i][j][k] = matrix[i][j];
+        }
+        return made;
+    }
+
+    template <std::size_t N> static Vector<N> one_of(const Vector<N, Lanes> &of, std::size_t k) {
+        Vector<N> made;
+        for (std::size_t i = 0; i < N; ++i) made[i] = of[i][k];
+        return made;
+    }
+
+private:
+    template <std::size_t N, class Verb, class... Given>
+    static Vector<N, Lanes> each(Verb verb, const Given &...given) {
+        Vector<N, Lanes> made;
+        for (std::size_t k = 0; k < Lanes::COUNT; ++k) {
+            const Vector<N> one = verb(one_of(given, k)...);
+            for (std::size_t i = 0; i < N; ++i) made[i][k] = one[i];
+        }
+        return made;
+    }
+};
+
+template <class R> struct NumbersOf { using type = double; };
+template <class R> struct NumbersOf<InLanes<R>> { using type = Lanes; };
+
+// Calls `action.template operator()<R>()` for the representation of that name, of those that have a
+// scale beside them where poses have one.
+template <Representation R, Representation... Others, class Action>
+auto with_named(const std::string &name, bool scale, Action &&action) {
+    if (name == R::name)
+        return scale ? action.template operator()<WithScale<R>>() : action.template operator()<R>();
+    if constexpr (sizeof...(Others) > 0)
+        return with_named<Others...>(name, scale, action);
+    else
+        throw std::invalid_argument(
+            "representation: expected one of motor, similarity, rotor, dual_quaternion, "
+            "quaternion, euler_unwrapped, euler_xyz, euler, got '" +
+            name + "'");
 }
 
 template <class Action>
@@ -362,24 +421,8 @@ auto with_representation(const std::string &name, bool scale, Action &&action) {
     if (name == Similarities::name)
         return scale ? action.template operator()<Similarities>()
                      : action.template operator()<RigidSimilarities>();
-    if (name == Motors::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Motors>{});
-    if (name == Rotors::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Rotors>{});
-    if (name == Quaternions::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Quaternions>{});
-    if (name == DualQuaternions::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<DualQuaternions>{});
-    if (name == EulerAngles::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
-    if (name == UnwrappedEulerAngles::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<UnwrappedEulerAngles>{});
-    if (name == FollowedEulerAngles::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<FollowedEulerAngles>{});
-    throw std::invalid_argument(
-        "representation: expected one of motor, similarity, rotor, dual_quaternion, "
-        "quaternion, euler_unwrapped, euler_xyz, euler, got '" +
-        name + "'");
+    return with_named<Motors, Rotors, Quaternions, DualQuaternions, EulerAngles,
+                      UnwrappedEulerAngles, FollowedEulerAngles>(name, scale, action);
 }
 
 }  // namespace motorcade::smooth

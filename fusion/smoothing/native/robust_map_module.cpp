@@ -38,15 +38,8 @@ void expect(bool holds, const char *what) {
 template <class Action> auto with_moves(const Kind &kind, Action &&action) {
     const auto &[name, scale] = kind;
     if (name == Similarities::name) return action.template operator()<Similarities>();
-    if (name == Motors::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Motors>{});
-    if (name == Rotors::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Rotors>{});
-    if (name == Quaternions::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<Quaternions>{});
-    if (name == DualQuaternions::name)
-        return with_rigid_or_scaled(scale, action, std::type_identity<DualQuaternions>{});
-    return with_rigid_or_scaled(scale, action, std::type_identity<EulerAngles>{});
+    return with_named<Motors, Rotors, Quaternions, DualQuaternions, EulerAngles>(
+        name.starts_with(EulerAngles::name) ? EulerAngles::name : name, scale, action);
 }
 
 RobustLoss loss_of(const NamedLoss &given) {

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -125,16 +126,19 @@ void write_state(const State &state, std::size_t k, const Smoothed &out) {
 
 // Runs a Kalman filter over a path, and back over it with the smoother. Filtered means are kept,
 // their spreads a segment at a time and found again from the one before the segment, so that memory
-// does not grow with them. `write` is called for each pose from the last to the first.
-template <Representation R, std::size_t Order> class Smoother {
+// does not grow with them. `write` is called for each pose from the last to the first. In lanes it
+// runs over as many paths, each `stride` poses behind the one before.
+template <class R, std::size_t Order> class Smoother {
 public:
+    using Filter = Kalman<R, Order>;
+
     Smoother(const double *poses, const std::int64_t *time_ns, std::size_t count,
-             const NoiseRows &noise, const BlockValues &densities)
-        : poses_(poses), time_ns_(time_ns), count_(count), noise_(noise),
+             const NoiseRows &noise, const BlockValues &densities, std::size_t stride = 0)
+        : poses_(poses), time_ns_(time_ns), count_(count), stride_(stride), noise_(noise),
           filter_(densities, noise.row(0)) {}
 
-    // Returns the logarithm of the likelihood of the innovations.
-    template <bool WITH_COVARIANCE, class Write> double run(Write &&write) {
+    // `seen(filter, k)` is called on the way forward, and ends it all by false.
+    template <bool WITH_COVARIANCE, class Seen, class Write> bool run(Seen &&seen, Write &&write) {
         std::vector<Spread> marks;
         std::vector<Mean> means;
         marks.reserve(count_ / SEGMENT + 1);
@@ -143,6 +147,7 @@ public:
             advance(k);
             means.push_back(filter_.state());
             if (k % SEGMENT == 0) marks.push_back(filter_.state());
+            if (!seen(filter_, k)) return false;
         }
         typename Filter::template Smoothed<WITH_COVARIANCE> later = filter_.state();
         write(later, count_ - 1);
@@ -167,27 +172,39 @@ public:
                 write(later, k);
             }
         }
-        return filter_.log_likelihood();
+        return true;
     }
 
 private:
-    using Filter = Kalman<R, Order>;
+    using Real = typename Filter::Real;
     using Mean = typename Filter::Mean;
     using Spread = typename Filter::Spread;
     static constexpr std::size_t SEGMENT = 64;
 
     void measure(Spread &spread, std::size_t k) {
-        filter_.measured_with(noise_.row(k));
+        filter_.measured_with(noise(k));
         filter_.measure(spread);
     }
 
-    double interval(std::size_t k) const {
-        return 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]);
+    Real interval(std::size_t k) const {
+        Real made;
+        for (std::size_t at = 0; at < LANES<Real>; ++at, k += stride_)
+            lane(made, at) = 1e-9 * static_cast<double>(time_ns_[k + 1] - time_ns_[k]);
+        return made;
     }
 
-    Vector<R::size> read(std::size_t k) const {
-        Vector<R::pose_size> given;
-        std::copy_n(poses_ + k * R::pose_size, R::pose_size, given.begin());
+    Vector<3, Real> noise(std::size_t k) const {
+        Vector<3, Real> made;
+        for (std::size_t at = 0; at < LANES<Real>; ++at, k += stride_)
+            for (std::size_t b = 0; b < 3; ++b) lane(made[b], at) = noise_.row(k)[b];
+        return made;
+    }
+
+    Vector<R::size, Real> read(std::size_t k) const {
+        Vector<R::pose_size, Real> given;
+        for (std::size_t at = 0; at < LANES<Real>; ++at)
+            for (std::size_t c = 0; c < R::pose_size; ++c)
+                lane(given[c], at) = poses_[(k + at * stride_) * R::pose_size + c];
         const auto made = R::read(given);
         return k == 0 ? made : R::continued(made, last_);
     }
@@ -197,31 +214,86 @@ private:
         if (k == 0) {
             filter_.start(last_);
             if (count_ == 1) return;
-            filter_.measured_with(noise_.row(1));
+            filter_.measured_with(noise(1));
             filter_.open_rates(read(1), interval(0));
             return;
         }
-        filter_.measured_with(noise_.row(k));
+        filter_.measured_with(noise(k));
         filter_.step(last_, interval(k - 1));
     }
 
     const double *poses_;
     const std::int64_t *time_ns_;
-    std::size_t count_;
+    std::size_t count_, stride_;
     NoiseRows noise_;
     Filter filter_;
-    Vector<R::size> last_{};
+    Vector<R::size, Real> last_{};
 };
 
+// Smooths a path cut into as many parts as there are lanes, side by side. A part begins, either
+// way, WARM_UP poses ahead of where it is written, with nothing known; false where that is too few
+// for neighbours to agree where they meet, as at the path's whole length.
+template <Representation R, std::size_t Order>
+bool smooth_in_lanes(const double *poses, const std::int64_t *time_ns, std::size_t count,
+                     const NoiseRows &noise, const BlockValues &densities, const Smoothed &out) {
+    constexpr std::size_t PARTS = Lanes::COUNT, WARM_UP = 256, SEAM = 8;
+    constexpr double ROUNDING = 1e-14, SPREAD = 1e-13;
+    if (count < (PARTS + 2) * 2 * WARM_UP) return false;
+    const std::size_t part = (count - 2 * WARM_UP) / PARTS, end = WARM_UP + part;
+    Smoother<InLanes<R>, Order> smoother(poses, time_ns, count - (PARTS - 1) * part, noise,
+                                         densities, part);
+    std::array<Lanes, R::freedom *(Order + 1)> begun;
+    const auto seen = [&](const auto &filter, std::size_t k) {
+        bool agreed = true;
+        if (k == WARM_UP || k == end)
+            for (std::size_t c = 0; c < begun.size(); ++c) {
+                Lanes variance = filter.state().variance(c % R::freedom, c / R::freedom);
+                for (std::size_t at = 1; k == end && at < PARTS; ++at)
+                    agreed &=
+                        std::abs(lane(variance, at - 1) - begun[c][at]) <= SPREAD * begun[c][at];
+                begun[c] = variance;
+            }
+        return agreed;
+    };
+    bool agreed = true;
+    const auto write = [&](const auto &state, std::size_t k) {
+        for (std::size_t at = 0; at < PARTS; ++at) {
+            if ((k < WARM_UP && at > 0) || (k >= end + SEAM && at + 1 < PARTS)) continue;
+            const auto pose = R::write(projected<R>(InLanes<R>::one_of(state.pose, at)));
+            double *to = out.poses + (k + at * part) * R::pose_size;
+            const bool seam = at > 0 && k < WARM_UP + SEAM;
+            double off = 0.0, size = 0.0;
+            for (std::size_t c = 0; c < R::pose_size; ++c) {
+                if (seam) off += std::abs(pose[c] - to[c]);
+                size += std::abs(to[c] = pose[c]);
+            }
+            agreed &= off <= ROUNDING * size;
+        }
+    };
+    return smoother.template run<false>(seen, write) && agreed;
+}
+
+// Returns the logarithm of the likelihood of the innovations, of poses alone NaN.
 template <Representation R, std::size_t Order>
 double smooth(const double *poses, const std::int64_t *time_ns, std::size_t count,
               const NoiseRows &noise, const BlockValues &densities, const Smoothed &out) {
+    double log_likelihood = std::numeric_limits<double>::quiet_NaN();
+    // Of others than rigid motors and rotors it would cost the compiler more than it saves.
+    if constexpr (R::coupled > 0 && R::freedom == 6)
+        if (out.rates == nullptr &&
+            smooth_in_lanes<R, Order>(poses, time_ns, count, noise, densities, out))
+            return log_likelihood;
     Smoother<R, Order> smoother(poses, time_ns, count, noise, densities);
+    const auto seen = [&](const auto &filter, std::size_t) {
+        log_likelihood = filter.log_likelihood();
+        return true;
+    };
     const auto write = [&](const auto &state, std::size_t k) {
         write_state<R, Order>(state, k, out);
     };
-    return out.rates == nullptr ? smoother.template run<false>(write)
-                                : smoother.template run<true>(write);
+    out.rates == nullptr ? smoother.template run<false>(seen, write)
+                         : smoother.template run<true>(seen, write);
+    return log_likelihood;
 }
 
 }  // namespace motorcade::smooth

@@ -7,7 +7,7 @@
 
 namespace motorcade {
 
-template <std::size_t N> using Vector = std::array<double, N>;
+template <std::size_t N, class Real = double> using Vector = std::array<Real, N>;
 using Three = Vector<3>;
 using Four = Vector<4>;
 
@@ -17,14 +17,16 @@ template <std::size_t N> inline double dot(const Vector<N> &a, const Vector<N> &
     return total;
 }
 
-template <std::size_t N> inline Vector<N> sum(const Vector<N> &a, const Vector<N> &b) {
-    Vector<N> made;
+template <std::size_t N, class Real>
+inline std::array<Real, N> sum(const std::array<Real, N> &a, const std::array<Real, N> &b) {
+    std::array<Real, N> made;
     for (std::size_t k = 0; k < N; ++k) made[k] = a[k] + b[k];
     return made;
 }
 
-template <std::size_t N> inline Vector<N> scaled(double factor, const Vector<N> &a) {
-    Vector<N> made;
+template <class Factor, std::size_t N, class Real>
+inline std::array<Real, N> scaled(const Factor &factor, const std::array<Real, N> &a) {
+    std::array<Real, N> made;
     for (std::size_t k = 0; k < N; ++k) made[k] = factor * a[k];
     return made;
 }

@@ -235,3 +235,16 @@ def compact_path(poses: int) -> Trajectory:
     np.cos(stamps * 1e-10, out=coefficients[:, 0])
     np.sin(stamps * 1e-10, out=coefficients[:, 3])
     return Trajectory(stamps, Motor(coefficients))
+
+
+def main() -> None:
+    """Only the RTS smoothers, and how many times as long as quaternions' the motors' takes."""
+    with on_one_core():
+        rows = _rts(7)
+    print(smooth_table({"rows": [asdict(row) for row in rows], "bytes_a_pose": {}}))
+    seconds = {row.way.partition(",")[0]: row.seconds for row in rows}
+    print(f"motors over quaternions: {seconds['motors'] / seconds['quaternions']:.2f}")
+
+
+if __name__ == "__main__":
+    main()

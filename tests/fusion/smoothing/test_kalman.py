@@ -225,6 +225,33 @@ def test_the_poses_alone_are_those_of_the_states(
     assert not states.rates.flags.writeable
 
 
+@pytest.mark.parametrize("name", ["motor", "rotor", "quaternion"])
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("memory", ["short", "long", "long, and still at first"])
+def test_long_paths_are_smoothed_in_parts_as_if_in_one(
+    memory: str, order: int, name: str, rng: np.random.Generator
+) -> None:
+    """In parts side by side where a filter forgets in time, and not where it remembers for long."""
+    count = 6000
+    stamps = np.cumsum(rng.integers(4_000_000, 60_000_000, count))
+    stamps[count // 3 :] += 3_000_000_000
+    drawn = MOTIONS["tumble"].sampled(rate_hz=50.0, duration_s=20.0)
+    poses = drawn.motors_at(drawn.time_ns[0] + stamps % 19_000_000_000)
+    if "still" in memory:
+        poses = Motor(np.where(np.arange(count)[:, None] < 2000, poses[0].coefficients, poses))
+    else:
+        poses = poses @ Motor.from_twist(0.01 * rng.standard_normal((count, 6)))
+    kind = (ConstantVelocityFilter, ConstantAccelerationFilter)[order - 1]
+    method = ("rts_constant_velocity", "rts_constant_acceleration")[order - 1]
+    noise = {"noise_m": rng.uniform(0.002, 0.05, count), "noise_rad": 0.01}
+    if "long" in memory:
+        noise = {"noise_m": 1e4, "noise_rad": 0.01}
+    trajectory = Trajectory(stamps, poses)
+    states = smoothed_states(trajectory, kind(representation=name, **noise))
+    alone = smooth(trajectory, method, name, **noise).poses.coefficients
+    np.testing.assert_allclose(states.trajectory.poses.coefficients, alone, rtol=0.0, atol=1e-12)
+
+
 def test_noise_of_single_poses_counts_in_streams(rng: np.random.Generator) -> None:
     trajectory = MOTIONS["handheld"].sampled(30.0, 3.0)
     noise = rng.uniform(0.001, 0.1, len(trajectory))
