@@ -44,7 +44,7 @@ def add_fuse(commands: Commands) -> None:
         parser,
         "imu",
         "whatever holds readings: a recording's folder, CSV, a phone's logger, BAG:/topic, a "
-        "GoPro's video, PX4's .ulg, KITTI's oxts",
+        "GoPro's video, PX4's .ulg, ArduPilot's .bin, KITTI's oxts",
         "IMU",
     )
     add_output(parser, "OUT")
@@ -53,7 +53,7 @@ def add_fuse(commands: Commands) -> None:
         "--positions",
         metavar="FILE",
         help="positions on the poses' clock that hold a path which drifts: .gpx, .nmea, .ulg, "
-        "BAG:TOPIC (NavSatFix), or a trajectory file in metres",
+        ".bin, BAG:TOPIC (NavSatFix), or a trajectory file in metres",
     )
     add_number(parser, "--positions-sigma-m", "their deviation (3 m)", 3.0, metavar="S")
     add_number(

@@ -304,7 +304,8 @@ def add_orient(commands: Commands) -> None:
         parser,
         "imu",
         "whatever holds readings: a recording's folder, CSV, a phone's logger (folder or "
-        "zip), BAG:/topic, a GoPro's video, PX4's .ulg, KITTI's oxts, BROAD's .hdf5",
+        "zip), BAG:/topic, a video with telemetry, PX4's .ulg, ArduPilot's .bin, KITTI's oxts, "
+        "BROAD's .hdf5",
         "IMU",
     )
     add_output(parser, "OUT.tum", "positions are 0")

@@ -83,7 +83,7 @@ def read_trajectory(
     Args:
         path: the file, at most 1 GiB; or a bag and what is read of it, ``flight.bag:/odom`` or
             ``flight.mcap:map/base_link`` (see `readers.ros.trajectories`); or positions of
-            satellite navigation, ``.gpx``, ``.nmea``, ``.ulg`` (see `readers.positions`).
+            satellite navigation, ``.gpx``, ``.nmea``, ``.ulg``, ``.bin`` (see `readers.positions`).
         fmt: its format; by default found from its first row of numbers.
         rate_hz: for KITTI files, poses per second; the first stamp is 0.
         times: for KITTI files instead, a file with one stamp in seconds a row.
@@ -467,7 +467,7 @@ def is_only_read(name: Path | str) -> bool:
     return split_bag_name(name) is not None or _holds_positions(Path(name))
 
 
-_POSITION_SUFFIXES = (".gpx", ".nmea", ".nma", ".ulg")
+_POSITION_SUFFIXES = (".gpx", ".nmea", ".nma", ".ulg", ".bin")
 
 
 def _holds_positions(path: Path) -> bool:

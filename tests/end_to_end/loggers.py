@@ -10,6 +10,7 @@ same readings give as EuRoC's CSV. Prints mean inclination errors; ends with 1 a
 from __future__ import annotations
 
 import argparse
+import struct
 import sys
 import tempfile
 import zipfile
@@ -57,9 +58,9 @@ class Motion:
         return [float(one) for one in 1e-9 * self.imu.time_ns]
 
 
-def draw(rng: np.random.Generator) -> Motion:
-    """Twenty seconds of walking and looking about."""
-    path = ContinuousPath.along(MOTIONS["walk_and_look"], 20.0)
+def draw(rng: np.random.Generator, duration_s: float = 20.0) -> Motion:
+    """Walking and looking about."""
+    path = ContinuousPath.along(MOTIONS["walk_and_look"], duration_s)
     simulated = simulate_imu(path, 100.0, ADIS16448, rng)
     truth: Rotor = simulated.path.poses.rotor
     count = len(simulated.stream)
@@ -318,6 +319,49 @@ def px4(folder: Path, motion: Motion) -> Path:
     return path
 
 
+_ARDUPILOT = (
+    (129, "IMU", "QBffffffIIfBBHH", "TimeUS,I,GyrX,GyrY,GyrZ,AccX,AccY,AccZ,EG,EA,T,GH,AH,GHz,AHz"),
+    (130, "MAG", "QBhhhhhhhhhBI", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S"),
+    (131, "GPS", "QBBIHBcLLe", "TimeUS,I,Status,GMS,GWk,NSats,HDop,Lat,Lng,Alt"),
+    (132, "ATT", "Qcc", "TimeUS,Roll,Pitch"),
+)
+_PACKED = dict(zip("BhHIQfcLe", "BhHIQfhii", strict=True))
+
+
+def ardupilot(folder: Path, motion: Motion) -> Path:
+    """A DataFlash log: formats, then messages; two IMUs, and bytes that a full disk lost."""
+    mark, formats = b"\xa3\x95", {}
+    file = bytearray()
+    fmt = (128, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns")
+    for number, name, types, labels in (fmt, *_ARDUPILOT):
+        packed = "<" + "".join(_PACKED.get(letter, "") for letter in types)
+        formats[name] = (number, packed)
+        length = 89 if number == 128 else 3 + struct.calcsize(packed)
+        texts = (text.encode() for text in (name, types, labels))
+        file += mark + b"\x80" + struct.pack("<BB4s16s64s", number, length, *texts)
+
+    def message(name: str, *values: float) -> bytes:
+        number, packed = formats[name]
+        return mark + bytes([number]) + struct.pack(packed, *values)
+
+    for count, (stamp, row) in enumerate(motion.stamped):
+        time_us = stamp // 1000 + 5_000_000
+        rest = (0, 0, 30.0, 1, 1, 100, 100)
+        file += message("IMU", time_us, 0, *row[:6], *rest)
+        file += message("IMU", time_us + 20, 1, *[9.0] * 6, *rest)
+        if count % 10 == 0:
+            field = [round(10 * value) for value in row[6:9]]
+            file += message("MAG", time_us, 0, *field, *[0] * 6, 1, 0)
+            place = (472_000_000 + count, 85_000_000, 41_250)
+            file += message("GPS", time_us, 0, 3, 0, 2000, 9, 120, *place)
+            file += message("ATT", time_us, 100, -100)
+        if count == 1000:
+            file += b"\xa3\x95\xff\0\xa3\x95"
+    path = folder / "00000042.BIN"
+    path.write_bytes(bytes(file) + mark + b"\x81half")
+    return path
+
+
 def oxts(folder: Path, motion: Motion) -> Path:
     """KITTI's raw drives: a file a packet, and their times."""
     where = folder / "drive" / "oxts"
@@ -388,7 +432,17 @@ KINDS: dict[str, Callable[[Path, Motion], Path]] = {
     for one in (
         *(sensor_logger, sensor_logger_zip, sensor_logger_ios, phyphox, androsensor),
         *(androsensor_damaged, sensorlog, sensorlog_motion, xsens_mt, xsens_mtw, xsens_dot),
-        *(physics_toolbox, repoimu, rostopic, px4, oxts, ros_bag, two_topics, milliseconds),
+        *(
+            physics_toolbox,
+            repoimu,
+            rostopic,
+            px4,
+            ardupilot,
+            oxts,
+            ros_bag,
+            two_topics,
+            milliseconds,
+        ),
     )
 }
 

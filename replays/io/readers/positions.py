@@ -1,47 +1,54 @@
-"""Positions of satellite navigation as paths: GPX, NMEA, PX4's logs, KITTI's `oxts`, NavSatFix.
+"""Positions of satellite navigation as paths: GPX, NMEA, flights' logs, KITTI's `oxts`, NavSatFix.
 
 A path is in metres east, north and up of its first fix (`fusion.measurements.GeodeticOrigin`), on
 WGS 84; its poses do not turn, except KITTI's, whose unit measures how it stands. Heights of GPX and
 NMEA are above the sea: as heights over the ellipsoid they are off by the geoid, which over a path
 is a constant. GPX is read by gpxpy, NMEA by pynmea2.
 
-Logs of PX4 (`.ulg`), read by pyulog: the IMU, the magnetometer, and satellite navigation.
-
-Axes are the body's, x ahead, y right and z down (PX4's `sensor_combined`); an accelerometer at rest
-reads -g along z, which is +g upwards, as everywhere here. Format: docs.px4.io, "ULog File Format".
+Logs of PX4 (`.ulg`, by pyulog; docs.px4.io, "ULog File Format") and of ArduPilot (`.bin`, which
+states its formats; its libraries/AP_Logger): the IMU, the magnetometer, and satellite navigation.
+Axes are the body's, x ahead, y right and z down; an accelerometer at rest reads -g along z, which
+is +g upwards, as everywhere here.
 """
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterable
+import struct
+from array import array
+from collections.abc import Callable, Iterable, Iterator
 from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.measurements import GeodeticOrigin
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
-from motorcade.replays.io.files import admit_file, read_bounded, refusal, refusing
+from motorcade.replays.io.files import admit_file, open_bounded, read_bounded, refusal, refusing
 from motorcade.replays.io.readers.tables import stamp_ns
 
 ULG_LIMIT = 2**30
-SUFFIX = ".ulg"
+_PX4, _ARDUPILOT = ".ulg", ".bin"
 _IMU, _FIELD = "sensor_combined", "vehicle_magnetometer"
 _POSITIONS = ("vehicle_gps_position", "sensor_gps")
 _UT_A_GAUSS = 100.0
 
 
-def is_px4_log(path: Path) -> bool:
-    """Whether this is a log, by its ending."""
-    return path.is_file() and path.suffix.lower() == SUFFIX
+def is_flight_log(path: Path) -> bool:
+    """Whether this is a log of PX4, by its ending, or of ArduPilot, by its first bytes too."""
+    if not path.is_file() or path.suffix.lower() != _ARDUPILOT:
+        return path.is_file() and path.suffix.lower() == _PX4
+    with open_bounded(path, ULG_LIMIT) as file:
+        return file.read(3) == _MARK + b"\x80"
 
 
-def read_px4_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
+def read_flight_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
     """The stream of the first IMU, and stamps and magnetic field (µT) where there is one.
 
     Raises:
@@ -50,7 +57,7 @@ def read_px4_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | N
     """
     topics = _topics(path, (_IMU, _FIELD))
     if _IMU not in topics:
-        raise refusal(path, f"expected the topic {_IMU}, got none")
+        raise refusal(path, f"expected the topic {_IMU}, or ArduPilot's IMU, got none")
     try:
         time_ns = _stamps(topics[_IMU])
         rate, force = (_axes(topics[_IMU], name) for name in ("gyro_rad", "accelerometer_m_s2"))
@@ -95,7 +102,9 @@ def read_geodetic(path: Path) -> tuple[IntArray, FloatArray]:
 
 
 def _topics(path: Path, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
-    """Columns of the first instance of each topic that is there."""
+    """Columns of the first instance of each topic that is there, as PX4 calls them."""
+    if path.suffix.lower() == _ARDUPILOT:
+        return {name: topic for name, topic in _messages(path) if name in names}
     from pyulog import ULog
 
     admit_file(path, ULG_LIMIT)
@@ -106,6 +115,103 @@ def _topics(path: Path, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
         raise refusal(path, f"expected a log of PX4: {reason}") from fault
     topics = sorted(log.data_list, key=lambda topic: int(topic.multi_id), reverse=True)
     return {str(topic.name): topic.data for topic in topics if len(topic.data["timestamp"])}
+
+
+_MARK = b"\xa3\x95"
+_FORMATS = 0x80
+_MOST_MESSAGES, _MOST_LOST = 30_000_000, 100_000
+_TYPES = {
+    **dict.fromkeys("hc", "<i2"),
+    **dict.fromkeys("HC", "<u2"),
+    **dict.fromkeys("ieL", "<i4"),
+    **dict.fromkeys("IE", "<u4"),
+    **dict.fromkeys("BM", "u1"),
+    **dict(
+        zip(
+            "bqQgfdanNZ",
+            ("i1", "<i8", "<u8", "<f2", "<f4", "<f8", "V64", "S4", "S16", "S64"),
+            strict=True,
+        )
+    ),
+}
+_SCALES = {**dict.fromkeys("cCeE", 0.01), "L": 1e-7}
+_AS_PX4: dict[str, tuple[str, dict[str, tuple[str, float]]]] = {
+    "IMU": (
+        _IMU,
+        {f"gyro_rad[{k}]": (f"Gyr{axis}", 1.0) for k, axis in enumerate("XYZ")}
+        | {f"accelerometer_m_s2[{k}]": (f"Acc{axis}", 1.0) for k, axis in enumerate("XYZ")},
+    ),
+    "MAG": (_FIELD, {f"magnetometer_ga[{k}]": (f"Mag{a}", 1e-3) for k, a in enumerate("XYZ")}),
+    "GPS": (
+        _POSITIONS[0],
+        {"latitude_deg": ("Lat", 1.0), "longitude_deg": ("Lng", 1.0), "fix_type": ("Status", 1.0)}
+        | {"altitude_ellipsoid_m": ("Alt", 1.0)},
+    ),
+}
+"""ArduPilot's messages as PX4's topics: names, and what one of each is there (mGauss in Gauss)."""
+
+
+def _messages(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Topics of a log of ArduPilot, of the first instance of each sensor.
+
+    Bytes that are no message are left out, up to the next that may be one, and said.
+    """
+    data = read_bounded(path, ULG_LIMIT)
+    lengths, kinds = {_FORMATS: 89}, dict[int, tuple[str, str, str]]()
+    starts: dict[int, array[int]] = {}
+    at, count, lost = 0, 0, 0
+    while 0 <= at < len(data) - 2:
+        kind = data[at + 2]
+        length = lengths.get(kind, 0) if data.startswith(_MARK, at) else 0
+        if not length or at + length > len(data):
+            at, lost = data.find(_MARK, at + 1), lost + 1
+        elif kind == _FORMATS:
+            number, size, *texts = struct.unpack_from("<BB4s16s64s", data, at + 3)
+            name, types, labels = (text.split(b"\0")[0].decode("latin-1") for text in texts)
+            if number not in lengths and size > 3:
+                lengths[number] = size
+                if name in _AS_PX4 and name not in (known[0] for known in kinds.values()):
+                    kinds[number], starts[number] = (name, types, labels), array("q")
+            at += length
+        else:
+            if kind in starts:
+                starts[kind].append(at + 3)
+            at += length
+        count += 1
+        if count > _MOST_MESSAGES or lost > _MOST_LOST:
+            limits = f"{_MOST_MESSAGES} messages and {_MOST_LOST} damaged ones"
+            raise refusal(path, f"expected at most {limits}, got more")
+    if lost > 1:
+        _LOG.warning("%s: %d messages are damaged, and left out", path, lost)
+    for number, (name, types, labels) in kinds.items():
+        if starts[number]:
+            bodies = sliding_window_view(np.frombuffer(data, np.uint8), lengths[number] - 3)
+            rows = bodies[np.frombuffer(starts[number], np.int64)]
+            yield _AS_PX4[name][0], _columns(path, name, types, labels.split(","), rows)
+
+
+def _columns(
+    path: Path, name: str, types: str, labels: list[str], rows: NDArray[np.uint8]
+) -> dict[str, Any]:
+    try:
+        kind = np.dtype([(str(at), _TYPES[letter]) for at, letter in enumerate(types)])
+    except KeyError as fault:
+        raise refusal(path, f"expected types of ArduPilot's, got {fault}", field=name) from fault
+    if kind.itemsize != rows.shape[1] or len(types) != len(labels):
+        raise refusal(path, "expected a format as long as its messages", field=name)
+    table = rows.view(kind)[:, 0]
+    numbers = {
+        label: str(at) for at, label in enumerate(labels) if table[str(at)].dtype.kind in "iuf"
+    }
+    with np.errstate(invalid="ignore"):
+        held = {label: table[at] * _SCALES.get(types[int(at)], 1) for label, at in numbers.items()}
+    first = held["I"] == held["I"][0] if "I" in held else slice(None)
+    try:
+        time_us = held["TimeUS"] if "TimeUS" in held else 1000 * held["TimeMS"].astype(np.int64)
+        columns = {ours: held[own] * scale for ours, (own, scale) in _AS_PX4[name][1].items()}
+    except KeyError as fault:
+        raise refusal(path, f"expected the column {fault}, got none", field=name) from fault
+    return {ours: values[first] for ours, values in {"timestamp": time_us, **columns}.items()}
 
 
 def _stamps(topic: dict[str, Any]) -> IntArray:
@@ -145,7 +251,7 @@ def read_positions(path: Path, parent: str | None = None, child: str | None = No
     """
     reader = _reader(path)
     if reader is None:
-        raise refusal(path, "expected positions: .gpx, .nmea, .ulg, or KITTI's oxts")
+        raise refusal(path, "expected positions: .gpx, .nmea, .ulg, .bin, or KITTI's oxts")
     return geodetic_path(path, *reader(path), parent, child)
 
 
@@ -208,7 +314,7 @@ def _reader(path: Path) -> Callable[[Path], _Fixes] | None:
         return _read_gpx
     if name.endswith(_NMEA):
         return _read_nmea
-    return _read_px4 if name.endswith(SUFFIX) else None
+    return _read_flight if is_flight_log(path) else None
 
 
 def _fixes(rows: Iterable[tuple[int, float, float, float]], path: Path) -> _Fixes:
@@ -221,7 +327,7 @@ def _fixes(rows: Iterable[tuple[int, float, float, float]], path: Path) -> _Fixe
     return stamps, np.array([row[1:] for row in kept], dtype=np.float64).reshape(-1, 3), None
 
 
-def _read_px4(path: Path) -> _Fixes:
+def _read_flight(path: Path) -> _Fixes:
     return (*read_geodetic(path), None)
 
 

@@ -1,8 +1,8 @@
 """Inertial readings of whatever holds them, recognised once for every command that takes them.
 
-A bag (`BAG:/topic` names one of its topics), a video with a GoPro's telemetry, a trial of BROAD, a
-log of PX4, a folder or zip of a phone's logger, KITTI's `oxts`, a recording with an IMU, or a table
-of text. Some hold a magnetometer's readings besides.
+A bag (`BAG:/topic` names one of its topics), a video with telemetry, a trial of BROAD, a log of PX4
+or ArduPilot, a folder or zip of a phone's logger, KITTI's `oxts`, a recording with an IMU, or a
+table of text. Some hold a magnetometer's readings besides.
 
 Trials of BROAD: D. Laidig, M. Caruso, A. Cereatti and T. Seel, "BROAD: A benchmark for robust
 inertial orientation estimation", Data 6(7), 2021; samples are evenly spaced, so that stamps are
@@ -54,7 +54,7 @@ from motorcade.replays.io.readers.frames import video
 from motorcade.replays.io.readers.gopro import read_telemetry
 from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
-from motorcade.replays.io.readers.positions import is_px4_log, read_px4_log
+from motorcade.replays.io.readers.positions import is_flight_log, read_flight_log
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tables import Table, data_rows, in_order, read_table
 
@@ -94,7 +94,7 @@ def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArr
     files = _sensors(folder)
     gyro, force = (_first(files, names) for names in (_GYRO, _FORCE))
     if len(files) == 1 and folder != path:
-        return _of_table(*files.values(), True)
+        return _of_table(next(iter(files.values())), True)
     if gyro is None or force is None:
         listed = ", ".join(sorted(map(one_line, files))) or "no CSV"
         problem = "expected files of a gyroscope and an accelerometer"
@@ -255,7 +255,7 @@ def _source(path: Path) -> tuple[str, _Read]:
             lambda entry, _: (read_telemetry(entry), None),
         ),
         (path.suffix.lower() in _HDF5_ENDINGS, "a trial of BROAD", _of_broad),
-        (is_px4_log(path), "a log of PX4", lambda entry, _: read_px4_log(entry)),
+        (is_flight_log(path), "a flight's log", lambda entry, _: read_flight_log(entry)),
         (_is_phone_log(path), "a phone's logger", lambda entry, _: _read_phone_log(entry)),
         (
             path.is_dir() and positions.oxts_folder(path) is not None,
@@ -267,7 +267,7 @@ def _source(path: Path) -> tuple[str, _Read]:
     return next(((what, read) for holds, what, read in known if holds), ("a table", _of_table))
 
 
-_LOGS = {"a trial of BROAD", "a log of PX4", "a phone's logger", "KITTI's oxts"}
+_LOGS = {"a trial of BROAD", "a flight's log", "a phone's logger", "KITTI's oxts"}
 _UNSCREENED = _LOGS | {"a video's telemetry"}
 """Kinds whose own readers do not look for units and axes that cannot be."""
 

@@ -20,8 +20,10 @@ from motorcade.replays.io.imu import read_imu, read_noise
 from motorcade.replays.io.readers import gopro
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
+from motorcade.replays.io.readers.readings import read_readings
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import read_trajectory
+from tests.end_to_end import loggers
 from tests.fuzz.mutations import mutated
 from tests.fuzz.runner import Feed
 from tests.replays import conftest as layouts
@@ -109,6 +111,9 @@ class Samples:
         self.made.append((opened, _tagslam(_new(folder / "tagslam"))))
         video = layouts.video_file.__wrapped__(_new(folder / "video"))
         self.made.append((opened, video))
+        short = loggers.draw(np.random.default_rng(1), 2.0)
+        for kind, write in loggers.KINDS.items():
+            self.made.append((_readings, write(_new(folder / f"log_{kind}"), short)))
         loose = _new(folder / "loose")
         truth = folder / "tum_rgbd" / "groundtruth.txt"
         for name, reader, content in (
@@ -267,6 +272,11 @@ def _trajectory(path: Path) -> None:
 
 def _kitti(path: Path) -> None:
     _expect_finite(read_trajectory(path, "kitti", rate_hz=10.0))
+
+
+def _readings(path: Path) -> None:
+    if not np.isfinite(read_readings(path).imu.specific_force_m_s2).all():
+        raise AssertionError("specific force is not finite")
 
 
 def _imu(path: Path) -> None:

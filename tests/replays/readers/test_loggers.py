@@ -52,7 +52,9 @@ def test_magnetometers_are_read_with_them(kind: str, motion: Motion, tmp_path: P
     assert np.isfinite(field).all(axis=1).sum() > len(motion.field) - 5
 
 
-@pytest.mark.parametrize("kind", ["repoimu", "px4", "ros_bag", "sensor_logger_zip", "oxts"])
+@pytest.mark.parametrize(
+    "kind", ["repoimu", "px4", "ardupilot", "sensorlog", "ros_bag", "sensor_logger_zip", "oxts"]
+)
 def test_every_command_takes_them(kind: str, motion: Motion, tmp_path: Path, capsys) -> None:
     path = KINDS[kind](tmp_path, motion)
     assert main(["orient", str(path), "-o", str(tmp_path / "o.tum")]) == 0
@@ -249,3 +251,32 @@ def test_a_zip_is_what_is_in_it(motion: Motion, tmp_path: Path, capsys) -> None:
         read_imu_of(path)
     assert main(["run", str(path), "--out", str(tmp_path / "out")]) == 1
     assert "packed as .zip; unpack it" in capsys.readouterr().err
+
+
+def test_a_log_of_ardupilot_has_a_field_and_positions(motion: Motion, tmp_path: Path) -> None:
+    path = KINDS["ardupilot"](tmp_path, motion)
+    readings = read_readings(path)
+    assert readings.field is not None
+    np.testing.assert_allclose(readings.field[1][1], motion.field[10], atol=0.05 + 1e-9)
+    track = read_trajectory(path)
+    assert len(track) == len(readings.field[0])
+    north_m = track.motors.translation_m[-1, 1]
+    assert north_m == pytest.approx(2000e-7 * EAST_M, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "problem"),
+    [
+        (b"QBffffffIIfBBHH", b"QBffffffIIfBBH?", "types of ArduPilot's"),
+        (b"QBffffffIIfBBHH", b"QBffffffIIfBBHB", "as long as its messages"),
+        (b"GyrX", b"GxrX", "the column 'GyrX'"),
+        (b"IMU\0QBff", b"IMV\0QBff", "ArduPilot's IMU, got none"),
+    ],
+)
+def test_damaged_logs_of_ardupilot_are_refused(
+    found: bytes, put: bytes, problem: str, motion: Motion, tmp_path: Path
+) -> None:
+    path = KINDS["ardupilot"](tmp_path, motion)
+    path.write_bytes(path.read_bytes().replace(found, put, 1))
+    with pytest.raises(RecordingError, match=problem):
+        read_imu_of(path)
