@@ -12,6 +12,7 @@ motion the path stays.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -347,13 +348,13 @@ def smoothed_automatically(
     if choice is not None and asked != SmootherKnobs():
         raise ValueError(f"choice: expected none beside knobs, got {choice} and {asked}")
     trajectory = in_double(trajectory)
-    start = PathStart.of(trajectory)
+    starts = PathStart.of(trajectory)
     if choice is None:
-        choice, start, measured, smoothed = _chosen(start, representation, asked)
+        choice, start, measured, smoothed = _chosen(starts, representation, asked)
     else:
         named = representation_named(choice.representation)
         models = AxisModels(tuple(replace(one, stiff=False) for one in choice.models), 0.0)
-        start, _, measured, smoothed = first_path(start, named, models, choice.even_stamps)
+        start, _, measured, smoothed = first_path(starts, named, models, choice.even_stamps)
         smoothed = settled(measured, smoothed, models, choice.tails)
         if choice.by_twist:
             state = (start, measured, smoothed, models, choice.tails)
@@ -410,11 +411,11 @@ def auto(
 
 
 def _chosen(
-    start: PathStart, representation: str | None, knobs: SmootherKnobs
+    starts: Sequence[PathStart], representation: str | None, knobs: SmootherKnobs
 ) -> tuple[SmootherChoice, PathStart, Measured, PerAxisPath]:
     """What a path calls for, where it starts then, and the path smoothed so."""
-    named = representation_named(representation or _WORLD, start.trajectory.poses)
-    start, even, measured, smoothed = first_path(start, named)
+    named = representation_named(representation or _WORLD, starts[0].trajectory.poses)
+    start, even, measured, smoothed = first_path(starts, named)
     known = knobs.known_noise(measured.representation, smoothed.noise.size)
     taken = measured, smoothed
     if representation is None:

@@ -39,8 +39,6 @@ _TURN_DEVIATIONS = 6.0
 _THROWN, _EXPLAINED = 200.0, 25.0
 # What each of the fewest poses of a run must save at least, in squared deviations.
 _GAIN = 30.0
-# Of a run so many are explained at least: a marker that does it for a part alone fits it by chance.
-_WHOLE = 0.75
 # A step of a run is a usual one up to so many median ones, and a leap from so many times that on.
 _TORN = 2.0
 _ROUNDS = 8
@@ -151,11 +149,11 @@ class _Run:
         everyone = np.ones(len(self.time_s), dtype=np.bool_)
         plain = self.problem.descended(self.path, "cauchy", self.width, everyone, _ROUNDS)
         marker, mirrored, turned = self._refined(marker)
-        explained = mirrored.squares[self.run] < _EXPLAINED  # as mirrored, or as measured
-        saved, shortest = plain.cost - mirrored.cost, np.count_nonzero(turned & explained)
-        if shortest < _SHORTEST or saved < _GAIN * _SHORTEST or np.mean(explained) < _WHOLE:
+        explained = turned & (mirrored.squares[self.run] < _EXPLAINED)
+        saved = plain.cost - mirrored.cost
+        if np.count_nonzero(explained) < _SHORTEST or saved < _GAIN * _SHORTEST:
             return None
-        return self._mirrored(marker), turned & explained
+        return self._mirrored(marker), explained
 
     def _mirrored(self, marker: FloatArray) -> Motor:
         """The run's poses ``(*, K)`` by markers ``(*, 6)``."""

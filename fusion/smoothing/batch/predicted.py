@@ -124,7 +124,7 @@ def unpredicted(
         tails: degrees of freedom of the errors.
     """
     poses, kept = like.poses.rigid, smoothed.weights > 0.0
-    beside_jump = _beside(kept, measured.jumps)
+    beside_jump = beside_jumps(kept, measured.jumps)
     stay = np.repeat(beside_jump[:, None], 2, axis=1)
 
     def off(path: PerAxisPath) -> FloatArray:
@@ -256,7 +256,7 @@ class _HeldOut:
 
     def _leaps_back(self, first: int, last: int) -> bool:
         """Whether the path leaps back by as much as it leaps off, so that a run is off alike."""
-        if last - first < 2:
+        if last - first < 2 or first < 2 or last > self.count - 2:
             return False
         rates = (self.poses[:-1].inverse() @ self.poses[1:]).as_twist()
         rates /= np.diff(self.time_s)[:, None]
@@ -274,10 +274,10 @@ class _HeldOut:
         whole, longest = [(first, last)], max(np.diff(edges))
         agrees = longest > (1 if len(edges) == 2 else 2)
         if first == 0 or last == self.count:
-            beside = [
-                piece for piece in pairwise(edges) if not self._far_at_end(first, last, *piece)
-            ]
-            inward = list(pairwise(edges))[:: -1 if first == 0 else 1]
+            # What the path leaps to and back from is wrong, however few poses lie behind it.
+            pieces = [piece for piece in pairwise(edges) if not self._leaps_back(*piece)]
+            beside = [piece for piece in pieces if not self._far_at_end(first, last, *piece)]
+            inward = pieces[:: -1 if first == 0 else 1]
             by_end = list(takewhile(lambda piece: piece in beside, inward))
             near_by = by_end + [
                 piece for piece in beside if piece[1] - piece[0] > 2 and piece not in by_end
@@ -363,7 +363,7 @@ def runs_of(rows: Kept) -> IntArray:
     return np.flatnonzero(np.diff(np.concatenate([[0], rows, [0]]))).reshape(-1, 2)
 
 
-def _beside(kept: Kept, jumps: IntArray) -> Kept:
+def beside_jumps(kept: Kept, jumps: IntArray) -> Kept:
     """Poses ``(N,)`` of runs that are left out next to a jump, which neither side tells."""
     beside = np.zeros_like(kept)
     for first, last in runs_of(~kept):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -23,7 +24,11 @@ from motorcade.fusion.smoothing.batch.per_axis import (
     settled,
     smoothed_per_axis,
 )
-from motorcade.fusion.smoothing.batch.predicted import judged_runs, worse_than_measured
+from motorcade.fusion.smoothing.batch.predicted import (
+    beside_jumps,
+    judged_runs,
+    worse_than_measured,
+)
 from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.batch.twist import FINEST, LEAST, memories_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
@@ -89,23 +94,30 @@ class PathStart:
     jumps: IntArray = field(default_factory=lambda: NO_JUMPS)
 
     @classmethod
-    def of(cls, trajectory: Trajectory) -> PathStart:
-        """The chain of a trajectory of 16 poses or more."""
+    def of(cls, trajectory: Trajectory) -> list[PathStart]:
+        """Of a trajectory of 16 poses or more with every run mirrored back that a marker explains;
+        then without those that a marker explains in part, so that the path leaps to the rest.
+        """
         time_s, poses = trajectory.time_s, trajectory.poses
         kept = inlier_poses(time_s, poses.rigid, *first_sizes(trajectory))
-        mirrored = np.zeros_like(kept)
+        start = cls(trajectory, kept.astype(np.float64), np.zeros_like(kept), trajectory)
         if np.all(kept):
-            return cls(trajectory, kept.astype(np.float64), mirrored, trajectory)
-        as_measured = trajectory
-        sizes = cls(trajectory, kept.astype(np.float64), mirrored, as_measured)._sizes()
+            return [start]
+        sizes, starts = start._sizes(), list[PathStart]()
         kept = inlier_poses(time_s, poses.rigid, *sizes[:2])
-        judged = judged_runs(time_s, poses.rigid, kept)
-        rigid, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
-        if np.any(mirrored):
-            trajectory = replace(trajectory, poses=with_rigid(poses, rigid))
-            judged = judged_runs(time_s, rigid, inlier_poses(time_s, rigid, *sizes[:2]))
-        weights = judged.motion.astype(np.float64)
-        return cls(trajectory, weights, mirrored, as_measured, judged.jumps)
+        plain = judged_runs(time_s, poses.rigid, kept)
+        back, mirrored = mirrored_back(time_s, poses.rigid, kept, sizes, _WIDTH)
+        while True:
+            rigid = Motor(np.where(mirrored[:, None], back.coefficients, poses.rigid.coefficients))
+            chain = inlier_poses(time_s, rigid, *sizes[:2]) if np.any(mirrored) else kept
+            judged = judged_runs(time_s, rigid, chain)
+            read = replace(trajectory, poses=with_rigid(poses, rigid))
+            weights = judged.motion.astype(np.float64)
+            starts.append(cls(read, weights, mirrored, trajectory, judged.jumps))
+            torn = mirrored & beside_jumps(kept, np.setdiff1d(judged.jumps, plain.jumps))
+            if not np.any(torn):
+                return starts
+            mirrored = mirrored & ~torn
 
     def _sizes(self) -> tuple[Sizes, Sizes, Sizes]:
         """Noise and white acceleration of rotation, translation and scale, the likeliest."""
@@ -240,16 +252,33 @@ class PathStart:
 
 
 def first_path(
-    start: PathStart,
+    starts: Sequence[PathStart],
     representation: Representation,
     known: AxisModels | None = None,
     even: bool | None = None,
 ) -> tuple[PathStart, bool, Measured, PerAxisPath]:
     """A first path with its jumps, and whether stamps are taken for even for it.
 
-    The start is another one where poses between jumps turn out to be wrong. Models and whether
-    stamps are even may be known.
+    Of starts it is that which leaves the fewest jumps, of equals the fewest poses out; and another
+    one where poses between jumps turn out to be wrong. Models and whether stamps are even may be
+    known.
     """
+    tried = []
+    for start in starts:
+        tried.append(_first_path(start, representation, known, even))
+        if not len(tried[-1][2].jumps):
+            break
+    start, even, measured, path, models = min(
+        tried, key=lambda one: (len(one[2].jumps), np.count_nonzero(one[0].weights == 0.0))
+    )
+    smoothed = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
+    return start, even, measured, smoothed
+
+
+def _first_path(
+    start: PathStart, representation: Representation, known: AxisModels | None, even: bool | None
+) -> tuple[PathStart, bool, Measured, FloatArray, AxisModels]:
+    """The same of one start, still to be smoothed by models."""
     for corrections_left in range(_CORRECTIONS, -1, -1):
         measured, path = start.written(representation)
         models = known or chosen_models(measured, path, start.weights, _FIRST_ORDER)
@@ -265,8 +294,7 @@ def first_path(
         if other is start:
             break
         start = other
-    smoothed = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
-    return start, bool(even), measured, smoothed
+    return start, bool(even), measured, path, models
 
 
 def in_better_axes(

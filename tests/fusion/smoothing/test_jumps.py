@@ -178,6 +178,6 @@ def test_a_first_path_ends_though_every_start_calls_for_another(
         return tried[-1]
 
     monkeypatch.setattr(PathStart, "corrected", another)
-    start = PathStart.of(NOISE.apply(MOTIONS["handheld"].sampled(20.0, 5.0), rng))
-    assert first_path(start, REPRESENTATIONS["euler"])[0] is tried[-1]
+    start = PathStart.of(NOISE.apply(MOTIONS["handheld"].sampled(20.0, 5.0), rng))[0]
+    assert first_path([start], REPRESENTATIONS["euler"])[0] is tried[-1]
     assert len(tried) < 10
