@@ -311,8 +311,9 @@ def _by_vision(recording: Recording, settings: SlamSettings) -> SlamResult:
     result = slam.finish()
     if result.trajectory is None:
         raise TrackingError(
-            f"{recording.name}: visual SLAM found no pose: too little texture, or a camera that "
-            "only turns; tracked.by=simulated or a board would do"
+            f"{recording.name}: visual SLAM found no pose: too little texture, a camera that only "
+            "turns, or images taken too far apart to be followed; film past things at different "
+            "depths, or lay a printed board into view"
         )
     return result
 
