@@ -6,7 +6,7 @@ their neighbours, under a velocity, an acceleration or a jerk that white noise c
 more are found out from the path: whether its axes are those of the world or of the body (a camera
 knows depth less than width; a vehicle goes where it points); whether errors have heavy tails; and
 whether stamps tremble that should be even. Beside the splines stand a constant twist and, where a
-body turns fast, a filter of all rotations together (`batch.twist`). Where nothing tells noise from
+body turns fast, a filter of all rotations together (there as well). Where nothing tells noise from
 motion the path stays.
 """
 

@@ -17,8 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.motions.degradations import wrong_planar_pose
-from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
-from motorcade.fusion.smoothing.batch.problem import Charged, PathState, Problem, loss_weights
+from motorcade.fusion.smoothing.batch.inliers import (
+    Charged,
+    PathState,
+    Problem,
+    Sizes,
+    inlier_poses,
+    loss_weights,
+)
 from motorcade.fusion.smoothing.representations import REPRESENTATIONS, Representation
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -36,11 +36,11 @@ from motorcade.fusion.smoothing.batch.columns import (
     Prediction,
     chosen,
     likelihoods,
+    moved_together,
     noise_of,
     ratio_of,
     splined,
 )
-from motorcade.fusion.smoothing.batch.twist import moved_together
 from motorcade.fusion.smoothing.representations import Representation
 from motorcade.ga.arrays import FloatArray, IntArray
 

@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.smoothing.batch.columns import NO_JUMPS
-from motorcade.fusion.smoothing.batch.inliers import bridged, crossings
+from motorcade.fusion.smoothing.batch.inliers import bridged, crossings, with_rigid
 from motorcade.fusion.smoothing.batch.per_axis import (
     AxisModels,
     Measured,
     PerAxisPath,
     smoothed_per_axis,
 )
-from motorcade.fusion.smoothing.batch.problem import with_rigid
 from motorcade.fusion.smoothing.representations import restored
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -114,14 +113,7 @@ def unpredicted(
     """Rotations and positions ``(N, 2)`` left out that are right, and better as measured.
 
     Good ones held out tell that: where a path predicts them as well as they are measured, it
-    stands in for them.
-
-    Args:
-        like: the poses as measured.
-        measured: the same as coordinates.
-        smoothed: the path.
-        models: it was smoothed by.
-        tails: degrees of freedom of the errors.
+    stands in for them. Measured are the poses that it is like, as coordinates.
     """
     poses, kept = like.poses.rigid, smoothed.weights > 0.0
     beside_jump = beside_jumps(kept, measured.jumps)
@@ -174,11 +166,6 @@ def worse_than_measured(like: Trajectory, measured: Measured, smoothed: PerAxisP
 
     Errors that last are much alike in neighbours, which predict these somewhat better than any path
     that does without; a path that misses poses twice as far does not follow them.
-
-    Args:
-        like: the poses as measured.
-        measured: the same as coordinates.
-        smoothed: the path.
     """
     kept, time_s, poses = smoothed.weights > 0.0, measured.time_s, like.poses.rigid
     rows = 1 + np.flatnonzero(kept[:-2] & kept[1:-1] & kept[2:])

@@ -39,9 +39,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.smoothing.batch.inliers import Sizes, inlier_poses
+from motorcade.fusion.smoothing.batch.inliers import (
+    LAST_STEPS,
+    Problem,
+    Sizes,
+    inlier_poses,
+    loss_weights,
+    with_rigid,
+)
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
-from motorcade.fusion.smoothing.batch.problem import LAST_STEPS, Problem, loss_weights, with_rigid
 from motorcade.fusion.smoothing.checks import checked_length, checked_size, in_double
 from motorcade.fusion.smoothing.representations import (
     Representation,

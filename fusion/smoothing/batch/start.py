@@ -10,8 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.prediction import EQUAL, standard_errors
-from motorcade.fusion.smoothing.batch.columns import NO_JUMPS, ColumnSegment
-from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, first_sizes, inlier_poses
+from motorcade.fusion.smoothing.batch.columns import (
+    FINEST,
+    LEAST,
+    NO_JUMPS,
+    ColumnSegment,
+    memories_beside,
+    turning_model,
+)
+from motorcade.fusion.smoothing.batch.inliers import (
+    Sizes,
+    bridged,
+    first_sizes,
+    inlier_poses,
+    with_rigid,
+)
 from motorcade.fusion.smoothing.batch.jumps import returned_levels, squares_left, with_jumps
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back, mirrored_run
 from motorcade.fusion.smoothing.batch.per_axis import (
@@ -29,8 +42,6 @@ from motorcade.fusion.smoothing.batch.predicted import (
     judged_runs,
     worse_than_measured,
 )
-from motorcade.fusion.smoothing.batch.problem import with_rigid
-from motorcade.fusion.smoothing.batch.twist import FINEST, LEAST, memories_beside, turning_model
 from motorcade.fusion.smoothing.representations import (
     REPRESENTATIONS,
     Representation,
@@ -132,24 +143,11 @@ class PathStart:
         ]
         return sizes[0], sizes[1], sizes[2]
 
-    def _without_runs_between(self, jumps: IntArray) -> PathStart:
-        """The same without poses between two jumps that the path returns from; see `predicted`."""
-        kept, time_s, poses = self.weights > 0.0, self.trajectory.time_s, self.trajectory.poses
-        for first, last in pairwise(jumps):
-            without = kept.copy()
-            without[first:last] = False
-            if not np.any(judged_runs(time_s, poses.rigid, without).motion[first:last]):
-                kept = without
-        same = np.array_equal(kept, self.weights > 0.0)
-        return self if same else replace(self, weights=kept.astype(np.float64))
-
     def corrected(self, measured: Measured, path: FloatArray, models: AxisModels) -> PathStart:
         """Another start where poses beside the jumps turn out to be wrong, else the same."""
         if not len(measured.jumps):
             return self
         other = self._with_runs_mirrored(measured, path, models)
-        if other is self:
-            other = self._without_runs_between(measured.jumps)
         return self._with_levels_returned(measured, path, models) if other is self else other
 
     def _with_runs_mirrored(
@@ -327,15 +325,7 @@ def of_one_twist(
     any_axes: bool,
 ) -> tuple[Measured, PerAxisPath, AxisModels]:
     """The same by a constant twist of motors, or of rotors, where no other motion is left and it
-    predicts poses as well.
-
-    Args:
-        start: of the path.
-        measured: poses.
-        smoothed: the path.
-        models: it was smoothed by.
-        tails: degrees of freedom of the errors.
-        any_axes: whether axes of the body may be taken for those that were.
+    predicts poses as well; by one of motors if any axes may be taken for those that were.
     """
     tried = [(measured, smoothed.coordinates)]
     if any_axes and measured.representation.name != _BODY:

@@ -1,5 +1,5 @@
 // Binds the descent to the most probable path to Python. Arrays come checked and C-ordered; see
-// motorcade.fusion.smoothing.batch.problem. The interpreter lock is released.
+// motorcade.fusion.smoothing.batch.inliers. The interpreter lock is released.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>

@@ -10,8 +10,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.batch import estimate_path
-from motorcade.fusion.smoothing.batch.inliers import Sizes, bridged, inlier_poses
-from motorcade.fusion.smoothing.batch.problem import Problem
+from motorcade.fusion.smoothing.batch.inliers import Problem, Sizes, bridged, inlier_poses
 from motorcade.fusion.smoothing.batch.robust_map import parts
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
