@@ -27,6 +27,14 @@ MOTORCADE_INLINE Square<N, Real> product(const Square<N, Real> &a, const Square<
     return made;
 }
 
+// Compiled for the processor at hand by GCC. Of clones that are templates clang forgets the
+// constructors which they call.
+#ifdef __clang__
+#define MOTORCADE_WIDE [[gnu::noinline]]
+#else
+#define MOTORCADE_WIDE MOTORCADE_SIMD [[gnu::noinline]]
+#endif
+
 // Loops over the rows of a matrix, laid out as a whole.
 #define MOTORCADE_ROWS _Pragma("GCC unroll 12")
 
@@ -119,7 +127,7 @@ template <std::size_t N, std::size_t S, class Real> struct Covariance {
 
     // F p Fᵀ with F = turn · drift · turn: the pose part is turned, all is drifted by dt, turned
     // again.
-    MOTORCADE_SIMD [[gnu::noinline]] void propagate(const Turn &turn, const Real &dt) {
+    MOTORCADE_WIDE void propagate(const Turn &turn, const Real &dt) {
         turned(turn);
         drifted(dt);
         turned(turn);
@@ -145,7 +153,7 @@ template <std::size_t N, std::size_t S, class Real> struct Covariance {
             return total;
         }
     };
-    MOTORCADE_SIMD [[gnu::noinline]] void measured(const Vector<N, Real> &variances, Gain &gain) {
+    MOTORCADE_WIDE void measured(const Vector<N, Real> &variances, Gain &gain) {
         Turn sum;
         for (std::size_t c = 0; c < N; ++c)
             for (std::size_t k = 0; k < N; ++k)
@@ -169,9 +177,7 @@ template <std::size_t N, std::size_t S, class Real> struct Covariance {
         mirror(N, ALL);
     }
 
-    MOTORCADE_SIMD [[gnu::noinline]] Factored<ALL, Real> factored() const {
-        return Factored<ALL, Real>(p);
-    }
+    MOTORCADE_WIDE Factored<ALL, Real> factored() const { return Factored<ALL, Real>(p); }
 
     // Q p⁻¹, p being factored: of a residual behind a prediction `p` with that noise, how much is
     // the noise's.
@@ -185,9 +191,8 @@ template <std::size_t N, std::size_t S, class Real> struct Covariance {
     }
 
     // The same times a residual.
-    MOTORCADE_SIMD [[gnu::noinline]] Column noise_share(const Factored<ALL, Real> &factor,
-                                                        const Vector<N> &densities, const Real &dt,
-                                                        const Column &of) const {
+    MOTORCADE_WIDE Column noise_share(const Factored<ALL, Real> &factor, const Vector<N> &densities,
+                                      const Real &dt, const Column &of) const {
         const auto weighed = factor.solved(of);
         std::array<Vector<1, Real>, ALL> rows;
         for (std::size_t i = 0; i < ALL; ++i) rows[i][0] = weighed[i];
