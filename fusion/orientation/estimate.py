@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
+from motorcade.fusion.imu.screening import GRAVITY_UNITS
 from motorcade.fusion.imu.stream import GRAVITY_SHARE, ImuStream
 from motorcade.fusion.orientation.native import _orientation
 from motorcade.fusion.orientation.native._orientation import Settings
@@ -331,8 +332,6 @@ _WINDOW_S = 2.0
 # What windows may leave of horizontal specific force. Clean trials of BROAD and flights of EuRoC
 # have 0.01 to 0.08 of gravity; a gyro in degrees, with axes swapped or turned around 0.1 to 1.
 _LEVEL_SHARE = 0.1
-# A unit of specific force by what gravity is in it.
-_UNITS = ((1.0, "g", 9.80665), (1000.0, "milli-g", 9.80665e-3), (32.174, "ft/s²", 0.3048))
 # Beyond this the field is disturbed (20° of heading); for half of the time, and it is no use.
 _DISTURBED_RAD, _DISTURBED_SHARE = 0.35, 0.5
 # Tilt and heading are called unknown beyond these deviations.
@@ -390,7 +389,7 @@ def orientation_doubts(
 
 
 def _wrong_gravity(up: float, gravity: float) -> str:
-    for size, unit, factor in _UNITS:
+    for size, unit, factor in GRAVITY_UNITS:
         if abs(up / size - 1.0) < GRAVITY_SHARE:
             return (
                 f"specific force averages to {up:.4g} upwards, which is gravity in {unit}; "

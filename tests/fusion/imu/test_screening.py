@@ -16,6 +16,8 @@ from motorcade.fusion.imu import (
     screen_imu,
     simulate_imu,
 )
+from motorcade.fusion.imu.screening import saturated_axes
+from motorcade.fusion.imu.stream import STANDARD_GRAVITY_M_S2
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
 from motorcade.replays.io.files import RecordingError
@@ -101,6 +103,17 @@ def test_saturation_is_told_of_the_axis_that_has_it():
     )
     coarse = ImuFaults(gyro_step_rad_s=7e-4, accel_step_m_s2=8e-3)
     assert screen_imu(ridden("stop_and_go", coarse)) == ()
+
+
+@pytest.mark.parametrize("step", [1e-6, 1e-3])
+def test_peaks_that_are_cut_off_are_told_from_smooth_ones(rng, step):
+    """As many readings lie just below the limit of a slow motion as are cut off by it."""
+    turns = 2.7 * np.sin(2.0 * np.pi * 0.3 * 5e-3 * np.arange(8000))
+    turns = step * np.round((turns + rng.normal(0.0, 2e-3, 8000)) / step)
+    rate = np.column_stack([turns, np.clip(turns, -2.65, 2.65), rng.normal(0.0, 1.0, 8000)])
+    force = rng.normal(np.array([0.0, 0.0, STANDARD_GRAVITY_M_S2]), 0.02, (8000, 3))
+    told = saturated_axes(ImuStream(5_000_000 * np.arange(8000), rate, force))
+    assert [line.split(" reads")[0] for line in told] == ["angular rate y"] * 2
 
 
 def test_gaps_are_counted():
