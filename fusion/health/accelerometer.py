@@ -102,15 +102,13 @@ class ForceTrial:
             bases = {of_rates.base: bases[of_rates.base]}
         judged = judge_axes(bases, tuple(FORCE_UNITS), -NEEDED)
         other = judge_stated(self._with_any_gravity(stated), -NEEDED)
-        named = judged.state == "named" and judged.multiple in (1.0, *FORCE_UNITS)
+        explained = judged.state == "named"
+        named = explained and judged.multiple in (1.0, *FORCE_UNITS)
         if other.state == "sound" and not (named and judged.fit.score > other.fit.score - NEEDED):
             return self._verdict("gravity", other, agrees=of_rates is None)
         if judged.state == "nothing":
             judged = replace(judged, state="unexplained")
-        state: Literal["named", "unexplained"] = (
-            "named" if judged.state == "named" else "unexplained"
-        )
-        return self._verdict(state, judged, agrees=False)
+        return self._verdict("named" if explained else "unexplained", judged, agrees=False)
 
     def rivals(self) -> tuple[Model, ...]:
         """Bases and permutations that explain the accelerometer best; none where too few are."""

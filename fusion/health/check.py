@@ -131,17 +131,10 @@ def check_health(
     if stuck:
         return Health(tuple(stuck))
     turn = imu_T_camera.rotor.as_matrix().T
-    turned = TurnedAngle(imu)
-    rates = judge_rates(
-        CameraRates.of(camera),
-        turned,
-        turn,
-        time_offset_s,
-        search_s,
-        known=extrinsics_known,
-    )
+    turned, spans = TurnedAngle(imu), CameraRates.of(camera)
+    rates = judge_rates(spans, turned, turn, time_offset_s, search_s, known=extrinsics_known)
     if rates.state not in ("sound", "unknown") or rates.late:
-        other = _inverted_or_changing(camera, turned, turn, time_offset_s, search_s)
+        other = _inverted_or_changing(camera, turned, turn, time_offset_s + rates.lag_s, search_s)
         if other is not None:
             return Health((other,))
     if rates.state == "unrelated":
@@ -156,7 +149,7 @@ def check_health(
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
     stories = judge_jointly(rates, trial)
     rates, forces = stories[0].rates, stories[0].forces
-    scale = trial.position_scale()
+    scale = None if forces.state == "named" and forces.agrees else trial.position_scale()
     if scale is not None:
         rate_findings = _units(rates, replace(forces, state="unknown"))
         return Health((*rate_findings, HealthFinding("position_unit", position_line(scale))))
@@ -210,13 +203,15 @@ def _inverted_or_changing(
 
 def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     findings = []
-    if rates.state == "named" and rates.axes is not None and rates.axes.multiple != 1.0:
-        line = unit_line("gyroscope", rates.axes.multiple, RATE_UNITS)
+    of_rates = rates.axes if rates.state == "named" else None
+    of_forces = forces.axes if forces.state == "named" else None
+    if of_rates is not None and of_rates.multiple != 1.0:
+        line = unit_line("gyroscope", of_rates.multiple, RATE_UNITS)
         findings.append(HealthFinding("rate_unit", line))
-    if rates.state == "named" and rates.axes is not None and rates.axes.scales != (1.0,) * 3:
-        findings.append(HealthFinding("rate_scale", scale_line("gyroscope", rates.axes.scales)))
-    if forces.state == "named" and forces.axes is not None and forces.axes.multiple != 1.0:
-        line = unit_line("accelerometer", forces.axes.multiple, FORCE_UNITS)
+    if of_rates is not None and of_rates.scales != (1.0,) * 3:
+        findings.append(HealthFinding("rate_scale", scale_line("gyroscope", of_rates.scales)))
+    if of_forces is not None and of_forces.multiple != 1.0:
+        line = unit_line("accelerometer", of_forces.multiple, FORCE_UNITS)
         findings.append(HealthFinding("force_unit", line))
     return findings
 

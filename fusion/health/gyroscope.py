@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.health.models import (
     NEEDED,
+    SCALE_TOLERANCE,
     SIGMAS,
     AxesEvidence,
     AxesVerdict,
@@ -32,6 +33,7 @@ _MOST_SPANS = 1000
 # Nearer than motion changes; what is left of an offset is linear.
 _GRID_S = 0.02
 _SLOPE_S = 0.0025
+_LEAST_RAD_S = 1e-3  # no camera's rates are better
 # What the linear part follows of an offset: motion bends within longer times.
 _LAG_SIGMA_S = 0.05
 # Of the gain, that another offset must add before it is believed.
@@ -111,7 +113,7 @@ def judge_rates(
     here = try_here.at(offset_s)
     if here is None:
         return RateVerdict("unknown", None, 0.0, 0.0, np.zeros(3), None, 0.0)
-    first = judge_stated(here["stated"], NEEDED * here["stated"].repeats)
+    first = _judge_stated(here["stated"], NEEDED * here["stated"].repeats)
     if first.state == "sound":
         verdict = _verdict("sound", first, here["stated"], 0.0)
         if not verdict.late:
@@ -122,7 +124,7 @@ def judge_rates(
         return _verdict(state, axes, evidence["stated"], 0.0)
     chosen_s, mended = try_here.refined(axes, chosen_s)
     if state == "sound":
-        axes = judge_stated(mended)
+        axes = _judge_stated(mended)
     return _verdict(state, axes, mended, chosen_s - offset_s)
 
 
@@ -185,17 +187,19 @@ class _Trial:
         return best
 
     def _matches(self, offsets_s: FloatArray) -> FloatArray:
-        """How well the readings as they are match the camera's rates ``(M,)``, NaN where too few.
+        """What the readings as they are explain of the camera's rates ``(M,)``, NaN where too few.
 
-        By the median of what is left, so that wrong poses count no more than others.
+        A sum of logarithms, so that wrong poses count little, over all that is covered: of the
+        offsets of a motion that repeats itself the one under which both streams overlap most.
         """
         matches = np.full(len(offsets_s), np.nan)
         for number, offset_s in enumerate(offsets_s):
             camera, read = self.rates.beside(self.turned, float(offset_s))
             if len(read) >= FEWEST_SPANS:
-                left = camera @ self.camera_R_imu - read
-                left -= np.median(left, axis=0)
-                matches[number] = -float(np.median(np.sum(left**2, axis=-1)))
+                both = np.stack([camera, camera - read @ self.camera_R_imu.T])
+                both -= np.median(both, axis=1, keepdims=True)
+                whole, left = np.log(np.sum(both**2, axis=-1) + _LEAST_RAD_S**2)
+                matches[number] = float(np.sum(whole - left))
         return matches
 
     def refined(self, axes: AxesVerdict, offset_s: float) -> tuple[float, AxesEvidence]:
@@ -215,9 +219,18 @@ class _Trial:
         return offset_s, evidence["stated"]
 
 
+def _judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
+    """`judge_stated`, and one scale of all axes, which is known better than any element."""
+    judged, scaled = judge_stated(evidence, needed), evidence.scaled(np.eye(3), 1.0)
+    allowed = SCALE_TOLERANCE + SIGMAS * float(scaled.deviations[0])
+    if judged.state == "sound" and abs(float(scaled.values[0]) - 1.0) > allowed:
+        return replace(judged, state="unexplained")
+    return judged
+
+
 def _explained(evidence: dict[Base, AxesEvidence]) -> AxesVerdict:
     needed = NEEDED * evidence["stated"].repeats
-    plain = judge_stated(evidence["stated"], needed)
+    plain = _judge_stated(evidence["stated"], needed)
     if plain.state == "sound":
         return plain
     return judge_axes(evidence, tuple(RATE_UNITS), _SEARCHED * needed)

@@ -32,6 +32,7 @@ TURN_TOLERANCE_RAD = float(np.deg2rad(5.0))
 SIGMAS = 4.0
 """On top of a tolerance: one of 16,000 estimates lies further off by chance."""
 _BLURRED = 0.25
+_SURE = 2.0  # deviations
 _SEARCHED = 200
 _TURNS = 3
 # Of the score, by which six elements more of K may explain readings better than scales alone.
@@ -53,7 +54,7 @@ class AxesVerdict:
         turn: ``(3, 3)`` rotation that is left besides; the identity where axes explain all.
         multiple: of the readings; one where that explains them.
         gain: logarithm of the odds against readings that have nothing to do with the path.
-        blurred: axes x, y, z of the readings of which the motion tells little.
+        sigma: ``(3, 3)`` deviations of the elements of K, as shares.
         fit: of what was chosen, with the unknowns besides K last.
         rivals: models without a turn that explain the readings as well, this one among them, by
             belief; none where that was not asked, or a turn explains them.
@@ -66,7 +67,7 @@ class AxesVerdict:
     turn: FloatArray
     multiple: float
     gain: float
-    blurred: str
+    sigma: FloatArray
     fit: RobustFit
     rivals: tuple[Model, ...] = ()
     scales: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -75,6 +76,18 @@ class AxesVerdict:
     def turn_rad(self) -> float:
         """Angle of the turn."""
         return float(np.arccos(np.clip(0.5 * (np.trace(self.turn) - 1.0), -1.0, 1.0)))
+
+    @property
+    def blurred(self) -> str:
+        """Axes x, y, z of the readings of which the motion tells little."""
+        dark = (self.sigma.max(axis=0) > _BLURRED) | (self.least_scales > 1.0 / _SMALLEST)
+        return "".join(axis for axis, one in zip("xyz", dark, strict=True) if one)
+
+    @property
+    def least_scales(self) -> FloatArray:
+        """What multiple of true rates an axis ``(3,)`` must read to be named nearly always."""
+        share = SCALE_TOLERANCE + (SIGMAS + _SURE) * np.diag(self.sigma)
+        return np.asarray(1.0 / np.maximum(1.0 - share, 0.5 * _SMALLEST))
 
     @property
     def matrix(self) -> FloatArray:
@@ -98,7 +111,7 @@ def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
     sound = sound and not evidence.strained(same)
     state: Literal["sound", "unexplained"] = "sound" if sound else "unexplained"
     identity = np.eye(3)
-    return AxesVerdict(state, "stated", identity, identity, 1.0, gain, _blurred(sigma), same)
+    return AxesVerdict(state, "stated", identity, identity, 1.0, gain, sigma, same)
 
 
 def judge_axes(
@@ -133,8 +146,7 @@ def judge_axes(
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
-    same, blurred = np.eye(3), _blurred(sigma)
-    return AxesVerdict(state, base, matrix, same, multiple, gain, blurred, fitted, rivals)
+    return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, sigma, fitted, rivals)
 
 
 def find_rivals(evidence: Mapping[Base, AxesEvidence]) -> tuple[Model, ...]:
@@ -178,9 +190,7 @@ def _judge_scales(base: Base, evidence: AxesEvidence, free: RobustFit) -> AxesVe
         return None
     gain, same = fitted.score - evidence.nothing().score, np.eye(3)
     scales = float(sizes[0]), float(sizes[1]), float(sizes[2])
-    return AxesVerdict(
-        "named", base, same, same, 1.0, gain, _blurred(sigma), fitted, ((base, same),), scales
-    )
+    return AxesVerdict("named", base, same, same, 1.0, gain, sigma, fitted, ((base, same),), scales)
 
 
 def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) -> AxesVerdict:
@@ -200,8 +210,8 @@ def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) ->
     fits &= not evidence.strained(fitted)
     gain = free.score - evidence.nothing().score
     state: Literal["named", "unexplained"] = "named" if fits else "unexplained"
-    turn, blurred = sign * (u @ vt), _blurred(sigma / multiple)
-    return AxesVerdict(state, base, sign * np.eye(3), turn, multiple, gain, blurred, fitted)
+    turn, sigma = sign * (u @ vt), sigma / multiple
+    return AxesVerdict(state, base, sign * np.eye(3), turn, multiple, gain, sigma, fitted)
 
 
 def _tried(evidence: Mapping[Base, AxesEvidence]) -> list[tuple[float, Base, FloatArray]]:
@@ -231,11 +241,6 @@ def _off(free: RobustFit, matrix: FloatArray, multiple: float) -> tuple[FloatArr
     relative = free.values[:9].reshape(3, 3) @ matrix.T / multiple
     sigma = free.deviations[:9].reshape(3, 3) @ np.abs(matrix.T) / multiple
     return np.abs(relative - np.eye(3)), sigma
-
-
-def _blurred(sigma: FloatArray) -> str:
-    worst = sigma.max(axis=0)
-    return "".join(axis for axis, one in zip("xyz", worst, strict=True) if one > _BLURRED)
 
 
 # How a sensor's readings can stand to what it should read: units, signs, axes, a free turn.

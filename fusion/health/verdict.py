@@ -135,6 +135,7 @@ _LENGTHS = {
     "feet": 1.0 / 0.3048,
     "kilometres": 1e-3,
 }  # of a metre
+_UNTOLD = 1.5  # times: an axis must read more of the rates to be named
 _BEYOND = 4.0  # deviations of what is known of a bias
 
 
@@ -217,14 +218,14 @@ def inverted_line() -> HealthFinding:
 
 def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
     """Of what both sensors have in common: the order of the axes, or a turn of the extrinsics."""
-    findings: list[HealthFinding] = []
     turned = not np.allclose(axes.turn, np.eye(3))
     if turned and np.linalg.det(axes.permutation) < 0.0:
         line = (
             "the IMU's axes are left-handed: negate all three of each sensor, or the one that is "
             "wrong, or swap two"
         )
-        return [*findings, HealthFinding("axes", line)]
+        return [HealthFinding("axes", line)]
+    findings = []
     if not np.allclose(axes.permutation, np.eye(3)):
         findings.append(HealthFinding("axes", _order("the IMU's axes are", axes)))
     if turned:
@@ -240,26 +241,24 @@ def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
 
 def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
     """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
-    kind = {"gyroscope": "rate", "accelerometer": "force"}[sensor]
-    mirrored = np.linalg.det(axes.permutation) < 0.0
-    if mirrored and not np.allclose(axes.turn, np.eye(3)):
+    fault: FaultName = "rate_axes" if sensor == "gyroscope" else "force_axes"
+    if np.allclose(axes.turn, np.eye(3)):
+        if not np.array_equal(axes.permutation, -np.eye(3)):
+            return HealthFinding(fault, _order(f"the {sensor}'s axes are", axes))
+        line = f"the {sensor}'s sign is wrong: negate its three axes"
+        return HealthFinding("rate_sign" if sensor == "gyroscope" else "force_sign", line)
+    if np.linalg.det(axes.permutation) < 0.0:
         line = (
             f"the {sensor}'s axes are left-handed: negate all three, or the one that is wrong, or "
             "swap two"
         )
-        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
-    if not np.allclose(axes.turn, np.eye(3)):
-        vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
-        line = (
-            f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
-            f"sensor's: turn its readings by the rotation vector {_degrees(vector)}"
-        )
-        return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
-    if np.array_equal(axes.permutation, -np.eye(3)):
-        line = f"the {sensor}'s sign is wrong: negate its three axes"
-        return HealthFinding("rate_sign" if kind == "rate" else "force_sign", line)
-    line = _order(f"the {sensor}'s axes are", axes)
-    return HealthFinding("rate_axes" if kind == "rate" else "force_axes", line)
+        return HealthFinding(fault, line)
+    vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
+    line = (
+        f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
+        f"sensor's: turn its readings by the rotation vector {_degrees(vector)}"
+    )
+    return HealthFinding(fault, line)
 
 
 def tell_both(stories: list[list[HealthFinding]]) -> list[HealthFinding]:
@@ -338,13 +337,18 @@ def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
     """What the motion does not tell."""
     lines = []
     if rates.state == "unknown":
-        why = "the camera turns too little"
-        if rates.axes is None:
-            why = f"too few poses less than {LONGEST_STEP_S:g} s apart"
+        few = f"too few poses less than {LONGEST_STEP_S:g} s apart"
+        why = few if rates.axes is None else "the camera turns too little"
         lines.append(f"cannot tell the gyroscope's unit, sign and axes: {why}")
     elif rates.axes is not None and rates.explained and rates.axes.blurred:
         axes = " and ".join(rates.axes.blurred)
         lines.append(f"cannot tell the gyroscope's {axes}: the camera hardly turns about it")
+    elif rates.axes is not None and rates.explained:
+        scales = zip("xyz", rates.axes.least_scales, strict=True)
+        least = [f"{axis} below {one:.2f} times" for axis, one in scales if one > _UNTOLD]
+        if least:
+            line = f"cannot tell the gyroscope's scale of {' and of '.join(least)} the true rates"
+            lines.append(f"{line}: the camera turns too little about it")
     if forces.state == "unknown":
         lines.append(
             "cannot tell the accelerometer's unit, sign and axes: too few seconds of poses less "

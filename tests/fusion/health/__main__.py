@@ -15,7 +15,10 @@ MOTIONS = ("handheld", "walk_and_look", "stop_and_go", "gimbal_hover", "tumble")
 
 
 def main() -> int:
-    """Print the table; 1 where a fault goes unnamed or a sound recording raises one."""
+    """Print the table; 1 where a fault goes unnamed or a sound recording raises one.
+
+    A fault is "untold" where the verdict says that the motion does not show so much.
+    """
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--extrinsics", choices=EXTRINSICS, default="askew")
     parser.add_argument("--seeds", type=int, default=1)
@@ -39,7 +42,8 @@ def _table(cases: dict[str, Case], *, lines: bool) -> int:
         for number, name in enumerate(names):
             found, right = checked(fault, cases[name], cases[names[number - 1]])
             missed += not right
-            row.append("named" if right and fault != "none" else ", ".join(found.faults) or "sound")
+            told = ", ".join(found.faults) or ("untold" if right and fault != "none" else "sound")
+            row.append("named" if right and found.faults else told)
             if lines:
                 print(f"{fault} | {name} | {found.summary}")
         print(f"{fault:<34}" + "".join(f"{one:>15}" for one in row), flush=True)

@@ -62,6 +62,25 @@ def test_every_fault_of_a_simulated_recording_is_named(fault, handheld, walked):
     assert right, found.summary
 
 
+@pytest.mark.parametrize(
+    ("motion", "fault"),
+    [
+        ("stop_and_go", "gyroscope by 1.2"),
+        ("stop_and_go", "gyroscope's z by 1.3"),
+        ("stop_and_go", "gyroscope clipped"),
+        ("tumble", "accelerometer clipped"),
+        ("tumble", "1.5 s late"),
+        ("gimbal_hover", "extrinsics off by 20°"),
+        ("gimbal_hover", "accelerometer clipped"),
+    ],
+)
+def test_faults_are_named_where_motion_stops_hovers_or_repeats(motion, fault):
+    """Or are said to be below what the motion shows."""
+    drawn = simulated(motion, seed=7)
+    found, right = checked(fault, drawn, drawn)
+    assert right, found.summary
+
+
 def test_the_mend_mends(handheld):
     """What the lines say, done: the verdict is then that nothing is wrong."""
     late, _ = checked("half a second late", handheld, handheld)
