@@ -15,15 +15,14 @@ from dataclasses import replace
 import numpy as np
 
 from motorcade.ga import Motor, Trajectory
-from motorcade.ga.arrays import FloatArray
-from motorcade.tracking.board_tracking.tracker import BoardTrack, with_pooled_noise
+from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.tracking.board_tracking.flatness import refined_track
+from motorcade.tracking.board_tracking.tracker import BoardTrack
 from motorcade.tracking.boards import Board
-from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.camera import Camera, reproject
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.measurements import MarkerObservation, PoseMeasurements
-from motorcade.tracking.pose import RefinedPose, TrackingError, refine
+from motorcade.tracking.measurements import PoseMeasurements
 from motorcade.tracking.self_calibration.bodies import velocities
 
 _ROUNDS = 2
@@ -58,6 +57,8 @@ def shift_px(
 ) -> FloatArray:
     """How far ``(n, 2)`` points that still are seen by a moving camera, from where they would be.
 
+    0 where either has no image.
+
     Args:
         camera: who sees them.
         in_camera: ``(n, 3)`` points at the stamp.
@@ -78,7 +79,7 @@ def shift_px(
     late = lateness_s(camera, px, shutter_s)[:, None]
     moves = np.cross(in_camera, turn) - shift
     moved = in_camera + late * (moves + 0.5 * late * np.cross(moves, turn))
-    return camera.project(moved) - camera.project(in_camera)
+    return np.nan_to_num(camera.project(moved) - camera.project(in_camera))
 
 
 def unrolled_track(
@@ -94,33 +95,30 @@ def unrolled_track(
         camera: that saw it.
         shutter_s: as `lateness_s` takes it.
     """
-    path = track.measurements.trajectory
-    poses = path.motors
-    refined: list[tuple[MarkerObservation, RefinedPose]] = []
-    points = [board.points_m[one.ids] for one in track.observations]
+    unrolled = track
     for _ in range(_ROUNDS):
-        velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), poses)
-        refined = []
-        for row, (seen, known) in enumerate(zip(track.observations, points, strict=True)):
-            twist = np.broadcast_to(velocity[row], (len(known), 6))
-            in_camera = poses[row].inverse().apply(known)
-            px = seen.corners_px - shift_px(camera, in_camera, twist, seen.corners_px, shutter_s)
-            try:
-                pose = refine(BoardCorners(seen.ids, px, known), camera, poses[row])
-            except TrackingError:
-                pose = refine(BoardCorners(seen.ids, seen.corners_px, known), camera, poses[row])
-                px = seen.corners_px
-            refined.append((replace(seen, corners_px=px), pose))
-        poses = Motor.stack([found.world_T_camera for _, found in refined])
-    covariance = np.stack([found.covariance for _, found in refined])
-    trajectory = Trajectory(path.time_ns, poses, path.parent, path.child)
-    unrolled = replace(
-        track,
-        observations=tuple(one for one, _ in refined),
-        measurements=PoseMeasurements(trajectory, covariance),
-        error_px=np.array([found.error_px for _, found in refined]),
-    )
-    return with_pooled_noise(unrolled)
+        poses = unrolled.measurements.trajectory.motors
+        in_camera, twist, px, starts = _moving(track, board, poses)
+        still_px = np.split(px - shift_px(camera, in_camera, twist, px, shutter_s), starts[1:])
+        both = zip(track.observations, still_px, strict=True)
+        observations = tuple(replace(seen, corners_px=px) for seen, px in both)
+        unrolled = refined_track(
+            replace(unrolled, observations=observations), board.points_m, camera
+        )
+    return unrolled
+
+
+def _moving(
+    track: BoardTrack, board: Board, poses: Motor
+) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """All corners in the camera's frame, its twist a second, where they are; each frame's first."""
+    time_ns = track.measurements.trajectory.time_ns
+    counts = [len(seen.ids) for seen in track.observations]
+    view = np.repeat(np.arange(len(counts)), counts)
+    twist = velocities(1e-9 * (time_ns - time_ns[0]), poses)[view]
+    points = board.points_m[np.concatenate([seen.ids for seen in track.observations])]
+    px = np.concatenate([seen.corners_px for seen in track.observations])
+    return poses[view].inverse().apply(points), twist, px, np.cumsum([0, *counts[:-1]])
 
 
 def with_unsure_shutter(
@@ -135,14 +133,9 @@ def with_unsure_shutter(
         unsure_s2: ``(2, 2)`` mean square of what is left of `shutter_s`, s².
     """
     path = track.measurements.trajectory
-    counts = [len(seen.ids) for seen in track.observations]
-    view, starts = np.repeat(np.arange(len(counts)), counts), np.cumsum([0, *counts[:-1]])
-    velocity = velocities(1e-9 * (path.time_ns - path.time_ns[0]), path.motors)[view]
-    points = board.points_m[np.concatenate([seen.ids for seen in track.observations])]
-    px = np.concatenate([seen.corners_px for seen in track.observations])
-    in_camera = path.motors[view].inverse().apply(points)
+    in_camera, twist, px, starts = _moving(track, board, path.motors)
     likely_s = np.linalg.cholesky(unsure_s2).T
-    shifts = np.stack([shift_px(camera, in_camera, velocity, px, one) for one in likely_s], -1)
+    shifts = np.stack([shift_px(camera, in_camera, twist, px, one) for one in likely_s], -1)
     by_pose = reproject(camera, in_camera)[1]
     down = by_pose.swapaxes(-1, -2)
     square, pull = (np.add.reduceat(down @ other, starts) for other in (by_pose, shifts))
@@ -220,17 +213,12 @@ def as_read(
         px = camera.project(at.inverse().apply(points_m), allow_nan=True)
     refined = poses[with_image]
     for _ in range(_ROUNDS):
-        pixels, by_twist, _ = reproject(camera, refined.inverse()[:, None].apply(points_m))
-        rows = by_twist.reshape(len(px), -1, 6)
-        off = (px - pixels).reshape(len(px), -1, 1)
-        both = np.concatenate([rows, off], axis=-1)
-        good = np.asarray(np.isfinite(both).all(axis=(1, 2)), np.bool_)
-        rows, off = np.where(good[:, None, None], rows, 0.0), np.where(good[:, None, None], off, 0)
-        down = rows.swapaxes(-1, -2)
-        square = down @ rows
+        pixels, by_pose, _ = reproject(camera, refined.inverse()[:, None].apply(points_m))
+        both = np.concatenate([by_pose, (px - pixels)[..., None]], axis=-1).reshape(len(px), -1, 7)
+        both[~np.isfinite(both).all(axis=(1, 2))] = 0.0
+        square, pull = np.split(both[..., :6].swapaxes(-1, -2) @ both, [6], axis=-1)
         firm = 1e-9 * np.trace(square, axis1=-2, axis2=-1)[:, None, None] + 1e-12
-        step = np.linalg.solve(square + firm * np.eye(6), down @ off)[..., 0]
-        refined = refined.retract(step)
+        refined = refined.retract(np.linalg.solve(square + firm * np.eye(6), pull)[..., 0])
     coefficients = poses.coefficients.copy()
     coefficients[with_image] = refined.coefficients
     return Trajectory(path.time_ns, Motor(coefficients), path.parent, path.child)

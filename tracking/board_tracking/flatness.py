@@ -105,7 +105,7 @@ def bent_track(
     heights = shape.heights_m
     for turn in range(_ROUNDS):
         bent = points_m + heights[:, None] * _UP.T
-        track = _refined(track, bent, camera)
+        track = refined_track(track, bent, camera)
         again = print_shape(track, bent, camera) if turn < _ROUNDS - 1 else None
         heights = heights if again is None else heights + again.heights_m
     return track, bent, replace(shape, heights_m=bent[:, 2] - points_m[:, 2])
@@ -164,8 +164,8 @@ def _left_of_each_other(first: _Normal, second: _Normal) -> float:
     return first.left(second.solution()) + second.left(first.solution())
 
 
-def _refined(track: BoardTrack, points_m: FloatArray, camera: Camera) -> BoardTrack:
-    """Poses anew on corners that are not flat; states and planar candidates are kept."""
+def refined_track(track: BoardTrack, points_m: FloatArray, camera: Camera) -> BoardTrack:
+    """Poses anew on corners ``(n, 3)``, flat or not; states and planar candidates are kept."""
     path = track.measurements.trajectory
     refined = [
         refine(BoardCorners(seen.ids, seen.corners_px, points_m[seen.ids]), camera, pose)

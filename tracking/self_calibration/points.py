@@ -304,9 +304,5 @@ def _unrolled(
 ) -> PointObservations:
     camera = state.kind.camera(state.numbers, seen.size)
     in_camera = state.world_T_camera[seen.view].inverse().apply(state.points[seen.point])
-    ahead = in_camera[:, 2] > 0.0
-    shift = np.zeros_like(seen.px)
-    shift[ahead] = shift_px(
-        camera, in_camera[ahead], velocity[seen.view[ahead]], seen.px[ahead], shutter_s
-    )
-    return replace(seen, px=seen.px - np.nan_to_num(shift))
+    shift = shift_px(camera, in_camera, velocity[seen.view], seen.px, shutter_s)
+    return replace(seen, px=seen.px - shift)

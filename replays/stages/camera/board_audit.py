@@ -11,6 +11,7 @@ from motorcade.fusion.metrics import most_by_chance
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.recording import Recording
+from motorcade.replays.stages.camera.offered import camera_of
 from motorcade.tracking import Board, BoardTrack, Camera, SelfCalibrationError
 from motorcade.tracking.audit import AuditFinding, Verdict, centre_finding, said_camera, scatter_px
 from motorcade.tracking.board_tracking.flatness import PrintShape
@@ -38,7 +39,7 @@ _WORSE_PX, _TIMES = 0.2, 1.5
 
 def audited_board(
     recording: Recording, board: Board, tracked: BoardTrack, noise_px: float
-) -> tuple[tuple[AuditFinding, ...], FloatArray | None, FloatArray]:
+) -> tuple[tuple[AuditFinding, ...], FloatArray, FloatArray]:
     """Compare the camera and its shutter with the tracked board.
 
     Args:
@@ -49,39 +50,37 @@ def audited_board(
 
     Returns:
         the findings; by how much ``(2,)`` the shutter's read-out is off, as `Recording.shutter_s`,
-        where the images deny it; and the mean square ``(2, 2)`` of what then is left of it.
+        0 unless the images deny it; and the mean square ``(2, 2)`` of what then is left of it.
     """
-    if recording.camera is None:
-        return (), None, np.zeros((2, 2))
-    of_camera, best = _camera(recording.camera, board, tracked, recording.focal_sigma, noise_px)
+    camera = camera_of(recording)
+    of_camera, best = _camera(camera, board, tracked, recording.focal_sigma, noise_px)
     if best is None:
-        return (of_camera,), None, READOUT_SIGMA_S**2 * np.eye(2)
-    shutter, off_s = _shutter(recording, best)
-    kept = slice(len(best.fit.state.numbers), len(best.fit.state.numbers) + 2)
-    left_s = best.fit.state.readout_s - (0.0 if off_s is None else off_s)
-    return (of_camera, shutter), off_s, best.covariance[kept, kept] + np.outer(left_s, left_s)
+        return (of_camera,), np.zeros(2), READOUT_SIGMA_S**2 * np.eye(2)
+    lens, left_s = len(best.fit.state.numbers), best.fit.state.readout_s
+    spread_s2 = best.covariance[lens : lens + 2, lens : lens + 2]
+    shutter, off_s = _shutter(recording.shutter_s, left_s, np.sqrt(np.diag(spread_s2)))
+    return (of_camera, shutter), off_s, spread_s2 + np.outer(left_s - off_s, left_s - off_s)
 
 
-def _shutter(recording: Recording, best: ChosenFit) -> tuple[AuditFinding, FloatArray | None]:
+def _shutter(
+    stated_s: FloatArray, left_s: FloatArray, sigmas_s: FloatArray
+) -> tuple[AuditFinding, FloatArray]:
     """The shutter's read-out, stated or none, against what the views say is left of it."""
-    name, state = "shutter", best.fit.state
-    sigmas = np.sqrt(np.diag(best.covariance)[len(state.numbers) :][:2])
-    ratios = np.abs(state.readout_s) / sigmas
+    ratios = np.abs(left_s) / sigmas_s
     axis = int(np.argmax(ratios))
-    left_s, sigma_s = float(state.readout_s[axis]), float(sigmas[axis])
-    stated_s = recording.shutter_s
-    said = f"a read-out of {1e3 * stated_s[axis]:.1f} ms is stated"
+    off_s, sigma_s = left_s[axis] * np.eye(2)[axis], float(sigmas_s[axis])
+    said_s = (stated_s + off_s)[axis]
     summary = (
-        f"the board's views say {1e3 * (stated_s[axis] + left_s):.1f} ± {1e3 * sigma_s:.1f} ms "
-        f"{('to the right', 'downwards')[axis]} where {said}"
+        f"the board's views say {1e3 * said_s:.1f} ± {1e3 * sigma_s:.1f} ms "
+        f"{('to the right', 'downwards')[axis]} where a read-out of {1e3 * stated_s[axis]:.1f} ms "
+        "is stated"
     )
     figure = float(0.5 * ratios[axis] ** 2)
-    if ratios[axis] > _SHUTTER_SIGMAS and abs(left_s) > _SHUTTER_S:
-        advice = "that was taken; state readout_s, and which way the camera was held"
-        off_s = left_s * np.eye(2)[axis]
-        return AuditFinding(name, "contradicted", figure, "log ratio", summary, advice), off_s
     verdict: Verdict = "consistent" if sigma_s < _SHUTTER_S else "unknown"
-    return AuditFinding(name, verdict, figure, "log ratio", summary), None
+    if denied := ratios[axis] > _SHUTTER_SIGMAS and abs(left_s[axis]) > _SHUTTER_S:
+        verdict = "contradicted"
+    advice = "that was taken; state readout_s, and which way the camera was held"
+    return AuditFinding("shutter", verdict, figure, "log ratio", summary, advice), denied * off_s
 
 
 def pixels_finding(

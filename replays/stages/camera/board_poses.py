@@ -135,7 +135,7 @@ def board_poses(recording: Recording) -> BoardPoses:
     seen = [sighted for sighted in rolled.observations if sighted.time_ns in shown]
     noise_px = _noise_px(board, [shown[sighted.time_ns] for sighted in seen], seen)
     audit, off_s, unsure_s2 = audited_board(recording, board, tracked, noise_px)
-    if off_s is not None:
+    if off_s.any():
         tracked = unrolled_track(rolled, board, camera, shutter_s + off_s)
     limit_px = scatter_px(camera, noise_px)
     tracked, corners_m, shape = bent_track(tracked, board.points_m, camera)
@@ -143,7 +143,6 @@ def board_poses(recording: Recording) -> BoardPoses:
     path = tracked.measurements.trajectory
     drawn = ((shown[at.time_ns], board, path.motors_at(np.int64(at.time_ns))) for at in seen)
     pixels = pixels_finding(drawn, camera, limit_px, corners_m)
-    seconds = time.perf_counter() - start
     audit = (*audit, *flatness)
     warn_of_contradictions(audit)
     audit = (pixels, *before, *audit, *_guessed_turns(board, tracked))
@@ -158,7 +157,7 @@ def board_poses(recording: Recording) -> BoardPoses:
         f"tracked by the {board.name} in the images" + ("" if recording.metric else _SIZELESS),
         metric=recording.metric,
         audit=audit,
-        seconds=seconds,
+        seconds=time.perf_counter() - start,
         corner_px=noise_px,
         track=tracked,
         corners_m=corners_m,
