@@ -191,10 +191,8 @@ def _marked(seen: SeenFamily, images: Sequence[GrayImage]) -> FoundTarget:
     board = board_of_markers(seen.family, markers)
     if isinstance(board, CharucoBoard):
         sample = shown[:: max(1, len(shown) // 8)]
-        if sum(board.detect(images[row]) is not None for row in sample) < _LEAST_SHARE * len(
-            sample
-        ):
-            board = None
+        whole = sum(board.detect(images[row]) is not None for row in sample)
+        board = board if whole >= _LEAST_SHARE * len(sample) else None
     return FoundTarget(board, seen.family, seen.marker_ids, markers, shown, len(images))
 
 

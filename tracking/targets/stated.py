@@ -195,9 +195,8 @@ def name_target(images: Sequence[GrayImage], stated: Board | str) -> str:
         return ""
     seen = f"the images show {target.summary}"
     if isinstance(stated, str):
-        return (
-            seen if target.family in (None, stated) else f'{seen}; say family = "{target.family}"'
-        )
+        as_stated = target.family in (None, stated)
+        return seen if as_stated else f'{seen}; say family = "{target.family}"'
     if target.board is not None and not isinstance(stated, SingleMarker):
         return "; ".join(filter(None, (seen, _keys(stated, target.board))))
     if not isinstance(stated, SingleMarker) or target.family is None:
@@ -312,9 +311,8 @@ def _details(board: MarkerGrid | CharucoBoard, fits: Sequence[LayoutFit]) -> Aud
     summary = f"you say a gap of {1e3 * board.gap_m:g} mm; the tags stand {gap_mm:.1f} mm apart"
     advice = f"say gap_m = {1e-3 * gap_mm:.4g}"
     if board.gap_m > 0.0 and gap_mm > 0.0:
-        advice += (
-            f", or marker_m = {side_m * board.gap_m / (1e-3 * gap_mm):.4g} if the gap is right"
-        )
+        marker_m = side_m * board.gap_m / (1e-3 * gap_mm)
+        advice += f", or marker_m = {marker_m:.4g} if the gap is right"
     return AuditFinding(NAME, "contradicted", abs(off), "sides", summary, advice)
 
 

@@ -145,13 +145,8 @@ def _lens_of_pair(
     """Contradict a distortion without which points stand in the same rows, and with which not."""
     if not any(camera.distortion):
         return ()
-    apart_px, undistorted_px = (
-        float(np.nanmedian(np.abs((left - right)[:, 1])))
-        for left, right in (
-            (left_px, right_px),
-            (camera.undistort(left_px), camera.undistort(right_px)),
-        )
-    )
+    apart = left_px - right_px, camera.undistort(left_px) - camera.undistort(right_px)
+    apart_px, undistorted_px = (float(np.nanmedian(np.abs(off[:, 1]))) for off in apart)
     if not undistorted_px > _CLEARLY * max(apart_px, _SAME_PX):
         return ()
     summary = (
@@ -186,13 +181,9 @@ def _baseline(
 
 def _sampled(recording: Recording) -> list[int]:
     """Numbers of a dozen frames that have depth, evenly over the recording."""
-    known = [
-        number
-        for number in np.unique(
-            np.linspace(0, len(recording.frames) - 1, 2 * _FRAMES).astype(int)
-        ).tolist()
-        if recording.frames[number].read_depth is not None
-    ]
+    last = len(recording.frames) - 1
+    spread = np.unique(np.linspace(0, last, 2 * _FRAMES).astype(int)).tolist()
+    known = [number for number in spread if recording.frames[number].read_depth is not None]
     return known[:: max(len(known) // _FRAMES, 1)]
 
 
@@ -225,18 +216,14 @@ def _unit(recording: Recording, numbers: list[int]) -> AuditFinding:
     frames = recording.frames
     name, steps = "depth_scale", []
     if isinstance(frames, ImageFrames):
-        for number in numbers:
-            depth_m = frames.measured_depth(number)
-            step = (
-                None
-                if depth_m is None
-                else inverse_depth_step(depth_m, 1.0 / frames.depth_units_per_m)
-            )
-            steps += [] if step is None else [step]
-    if not steps:
+        taken = (frames.measured_depth(number) for number in numbers)
+        unit_m = 1.0 / frames.depth_units_per_m
+        steps = [inverse_depth_step(depth_m, unit_m) for depth_m in taken if depth_m is not None]
+    known = [step for step in steps if step is not None]
+    if not known:
         summary = "depth stands on no lattice of disparities that would tell its scale"
         return AuditFinding(name, "unknown", None, "times", summary)
-    scale = _KINECT_STEP / float(np.median(steps))
+    scale = _KINECT_STEP / float(np.median(known))
     summary = f"depth is {scale:.3f} times what the sensor's steps of disparity say"
     if abs(np.log(scale)) <= np.log1p(_KINECT_SPREAD):
         return AuditFinding(name, "consistent", scale, "times", summary)
