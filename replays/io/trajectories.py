@@ -35,7 +35,7 @@ from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.io.files import refusal, write_bytes
-from motorcade.replays.io.readers.columns import POSITION, QUATERNION, opening_rows, read_columns
+from motorcade.replays.io.readers.columns import POSITION, QUATERNION, read_columns, read_opening
 from motorcade.replays.io.readers.tables import (
     REACH_M,
     UNIT_TOLERANCE,
@@ -185,7 +185,7 @@ def _scalar_last(path: Path) -> bool:
     The ending says so; where it does not, eight columns with stamps in seconds are TUM's. What
     contradicts the ending is said in the log.
     """
-    header, rows = opening_rows(path, 1 + len(_TUM))
+    _, header, rows, *_ = read_opening(path, 1 + len(_TUM))
     if header is not None or any(len(row) != 1 + len(_TUM) for row in rows):
         return False
     by_stamps = any(b"." in row[0] and b"e" not in row[0].lower() for row in rows)

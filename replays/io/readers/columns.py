@@ -50,7 +50,9 @@ _PARTS = (b";", b"\t", b",")
 _WITHOUT_GRAVITY = frozenset({"linear", "lin", "user", "free"})
 _ANGULAR = frozenset({"angular", "ang", "angle"})
 _FORCE_WORDS = frozenset({"acc", "accel", "accelerometer", "acceleration", "force"})
-_RATE = re.compile(rb"(?i)(?:update|output|sample|sampling) ?rate\W+([0-9.]{1,12}) ?(?:hz)?\b")
+_RATE = re.compile(
+    rb"(?i)(?:update|output|sample|sampling) ?rate\W+([1-9][0-9]{0,4}(?:\.[0-9]{1,6})?)"
+)
 _TICKS_US = 8000.0
 """Steps of `SampleTimeFine` below are 100 µs each: DOT's, of 1 µs, are 8333 at their fastest."""
 _LOG = logging.getLogger("motorcade.replays")
@@ -154,15 +156,9 @@ QUATERNION = Quantity(
 )
 
 
-def opening_rows(path: Path, wanted: int) -> tuple[list[bytes] | None, list[list[bytes]]]:
-    """Tokens of the header, if there is one of so many columns, and of the first rows below it."""
-    opening = _opening(path, wanted)
-    return opening.header, opening.rows
-
-
 def names_quantity(path: Path, quantity: Quantity) -> bytes | None:
     """The name of a quantity's first axis, where the file's header names all; None elsewhere."""
-    header = _opening(path, len(quantity.axes)).header or []
+    header = read_opening(path, len(quantity.axes)).header or []
     meant = {_meant(*_name_and_unit(token), (quantity,))[0]: token for token in reversed(header)}
     names = [quantity.label + axis for axis in quantity.axes]
     return meant[names[0]] if meant.keys() >= set(names) else None
@@ -177,33 +173,32 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
         RecordingError: as `read_table` and `in_order`; a header that contradicts EuRoC's order and
             does not say where everything is; a unit that is not known.
     """
-    names = tuple(entry.label + axis for entry in quantities for axis in entry.axes)
-    opening = _opening(path, 1 + len(names))
+    known = {entry.label + axis: entry for entry in quantities for axis in entry.axes}
+    names = tuple(known)
+    opening = read_opening(path, 1 + len(names))
     layout = _layout(path, opening, quantities)
     stamps = [row[layout.places[0]] for row in opening.rows if layout.places[0] < len(row)]
-    clock = _counter(path, opening, layout, stamps)
+    unit, wraps, stretch = _counter(path, opening, layout, stamps)
     table = read_table(
         path,
         names,
         separator=opening.separator,
         decimal_comma=opening.decimal_comma,
-        unit=clock.unit or _stamp_unit(path, opening.line, layout.units[0], stamps),
+        unit=unit or _stamp_unit(path, opening.line, layout.units[0], stamps),
         header=True,
         below=opening.line,
         more_columns=True,
         places=tuple(layout.places),
     )
-    if clock.wraps_ns:
-        turns = np.cumsum(np.diff(table.time_ns, prepend=table.time_ns[0]) < -clock.wraps_ns // 2)
-        time_ns = np.rint((table.time_ns + clock.wraps_ns * turns) * clock.stretch)
-        table = replace(table, time_ns=time_ns.astype(np.int64))
+    if wraps:
+        turns = np.cumsum(np.diff(table.time_ns, prepend=table.time_ns[0]) < -wraps // 2)
+        time_ns = np.rint((table.time_ns + wraps * turns) * stretch).astype(np.int64)
+        table = replace(table, time_ns=time_ns)
     units = layout.units[1:]
-    if clock.unit == "us" and ANGULAR_RATE in quantities and not any(units[:3]):
+    if unit == "us" and quantities[0] is ANGULAR_RATE and not any(units[:3]):
         _LOG.warning("%s: rates are in degrees, as Xsens DOT's; else say: Gyr_X (rad/s)", path)
-        units = [
-            "deg/s" if name[0] == "w" else unit for name, unit in zip(names, units, strict=True)
-        ]
-    scale = _scales(path, opening.line, quantities, units, names)
+        units[:3] = ["deg/s"] * 3
+    scale = _scales(path, opening.line, known, units)
     if np.any(scale != 1.0):
         table = replace(table, values=table.values * scale)
     return table.rows(in_order(path, table.lines, table.time_ns))
@@ -211,27 +206,21 @@ def read_columns(path: Path, quantities: tuple[Quantity, ...]) -> Table:
 
 def stamp_column(path: Path, quantity: Quantity) -> int:
     """Where the stamps of a quantity stand."""
-    return _layout(path, _opening(path, 1 + len(quantity.axes)), (quantity,)).places[0]
+    return _layout(path, read_opening(path, 1 + len(quantity.axes)), (quantity,)).places[0]
 
 
-class _Counter(NamedTuple):
-    """The unit of stamps that count, after how many ns they begin anew, and what one is then."""
-
-    unit: str | None = None
-    wraps_ns: int = 0
-    stretch: float = 1.0
-
-
-def _counter(path: Path, opening: _Opening, layout: _Layout, stamps: list[bytes]) -> _Counter:
-    """Xsens' counters; none elsewhere."""
+def _counter(
+    path: Path, opening: _Opening, layout: _Layout, stamps: list[bytes]
+) -> tuple[str | None, int, float]:
+    """Of Xsens' counters the unit, the ns after which they begin anew, and what stretches these."""
     if layout.clock == ["packet", "counter"]:
         if opening.rate_hz is None:
             problem = "expected stamps, or 'Update Rate: 100 Hz' above the header, got a counter"
             advice = "add that line, or a column of stamps: time_s"
             raise refusal(path, problem, line=opening.line, advice=advice)
-        return _Counter("ns", 2**16, 1e9 / opening.rate_hz)
+        return "ns", 2**16, 1e9 / opening.rate_hz
     if layout.clock != ["sample", "time", "fine"] or layout.units[0]:
-        return _Counter()
+        return None, 0, 1.0
     try:
         counts = np.array([float(stamp) for stamp in stamps if stamp.strip()])
     except ValueError:
@@ -239,7 +228,7 @@ def _counter(path: Path, opening: _Opening, layout: _Layout, stamps: list[bytes]
     steps = np.diff(counts)[np.diff(counts) > 0]
     dot = len(steps) > 0 and float(np.median(steps)) >= _TICKS_US
     unit = "us" if dot else "100 us"
-    return _Counter(unit, 2**32 * 10 ** UNITS[unit])
+    return unit, 2**32 * 10 ** UNITS[unit], 1.0
 
 
 class _Opening(NamedTuple):
@@ -255,7 +244,8 @@ class _Opening(NamedTuple):
     rate_hz: float | None
 
 
-def _opening(path: Path, wanted: int) -> _Opening:
+def read_opening(path: Path, wanted: int) -> _Opening:
+    """Look at the first rows, and for a header of so many columns above them."""
     at, header, rows, group = 0, None, list[list[bytes]](), list[bytes]()
     separator: bytes | None = b","
     above, rate_hz = True, None
@@ -267,7 +257,7 @@ def _opening(path: Path, wanted: int) -> _Opening:
             parts = next((part for part in _PARTS if part in text), None)
             row = text.lstrip(b"#, ").split(parts)
             if above and (stated := _RATE.search(text)):
-                rate_hz = _rate_hz(stated[1])
+                rate_hz = float(stated[1])
             names = text.startswith(b"#") or (above and is_header(row))
             if not names and text:
                 rows.append(row)
@@ -281,11 +271,6 @@ def _opening(path: Path, wanted: int) -> _Opening:
     if by_comma:
         rows = [[token.replace(b",", b".") for token in row] for row in rows]
     return _Opening(at, header, rows, separator, by_comma, rate_hz)
-
-
-def _rate_hz(stated: bytes) -> float | None:
-    rate = float(stated) if stated.count(b".") <= 1 and stated != b"." else 0.0
-    return rate if 0.1 <= rate <= 1e5 else None
 
 
 def _grouped(groups: list[bytes], axes: list[bytes]) -> list[bytes]:
@@ -426,19 +411,14 @@ def _meant(words: list[str], unit: str, quantities: tuple[Quantity, ...]) -> tup
     return None, unit
 
 
-def _scales(
-    path: Path,
-    line: int,
-    quantities: tuple[Quantity, ...],
-    units: list[str],
-    names: tuple[str, ...],
-) -> FloatArray:
-    known = [entry.units for entry in quantities for _ in entry.axes]
-    for name, unit, of in zip(names, units, known, strict=True):
-        if unit and unit not in of:
-            problem = f"expected one of the units {', '.join(of)}, got {unit!r}"
+def _scales(path: Path, line: int, known: dict[str, Quantity], units: list[str]) -> FloatArray:
+    for (name, of), unit in zip(known.items(), units, strict=True):
+        if unit and unit not in of.units:
+            problem = f"expected one of the units {', '.join(of.units)}, got {unit!r}"
             raise refusal(path, problem, line=line, field=name)
-    return np.array([of.get(unit, 1.0) for unit, of in zip(units, known, strict=True)])
+    return np.array(
+        [of.units.get(unit, 1.0) for of, unit in zip(known.values(), units, strict=True)]
+    )
 
 
 def _stamp_unit(path: Path, line: int, stated: str, stamps: list[bytes]) -> str:
@@ -448,38 +428,33 @@ def _stamp_unit(path: Path, line: int, stated: str, stamps: list[bytes]) -> str:
         raise refusal(path, f"{expected}, got {stated!r}", line=line, field=_STAMP)
     if not stated and stamps and b":" in stamps[0]:
         return "clock"
-    unit = _TIME_UNITS.get(stated, "ns")
-    if not stated and (counted := _counted_in(stamps)) is not None:
-        _LOG.warning("%s: stamps without a unit are taken as %s, by their steps", path, counted)
-        return counted
-    if unit != "ns" or not _are_no_nanoseconds(stamps):
+    if (unit := _TIME_UNITS.get(stated, "ns")) != "ns":
         return unit
-    if stated:
+    by_steps, whole = _unit_by_steps(stamps)
+    if stated and by_steps is not None and not whole:
         problem = f"expected stamps in {stated}, as the header says, got {one_line(stamps[0])}"
         raise refusal(path, f"{problem} and others a fraction apart", field=_STAMP)
-    return "s"
+    if stated or by_steps is None:
+        return unit
+    if whole:
+        _LOG.warning("%s: stamps without a unit are taken as %s, by their steps", path, by_steps)
+    return by_steps
 
 
-def _counted_in(stamps: list[bytes]) -> str | None:
-    """The unit of whole stamps that can be no nanoseconds; None where they can, or none can be."""
-    digits = [int(stamp) for stamp in stamps if stamp.strip().isdigit() and len(stamp) < 20]
-    if len(digits) < max(len(stamps), 3):
-        return None
-    step = float(np.median(np.diff(digits)))
-    if step >= _LEAST_STEP_NS or step <= 0.0:
-        return None
-    known = [unit for unit in UNITS if unit in _TIME_UNITS]
-    fitting = [u for u in known if _STEPS_NS[0] <= step * 10 ** UNITS[u] <= _STEPS_NS[1]]
-    return fitting[0] if len(fitting) == 1 else None
+def _unit_by_steps(stamps: list[bytes]) -> tuple[str | None, bool]:
+    """The unit of stamps that cannot be nanoseconds, None where they can; whether all are whole.
 
-
-def _are_no_nanoseconds(stamps: list[bytes]) -> bool:
-    """Whether stamps have fractions and stand too close together to be nanoseconds."""
+    Fractions that stand too close together are seconds.
+    """
     try:
         numbers = [Decimal(stamp.decode("ascii").strip()) for stamp in stamps]
-        if all(number == number.to_integral_value() for number in numbers):
-            return False
-        steps = np.abs(np.diff(np.array([float(entry - numbers[0]) for entry in numbers])))
+        whole = all(number == number.to_integral_value() for number in numbers)
+        steps = np.diff(np.array([float(entry - numbers[0]) for entry in numbers]))
     except (InvalidOperation, UnicodeDecodeError, OverflowError):
-        return False  # whoever reads them all says which line is wrong
-    return len(steps) > 0 and float(np.median(steps)) < _LEAST_STEP_NS
+        return None, False  # whoever reads them all says which line is wrong
+    step = float(np.median(steps if whole else np.abs(steps))) if len(steps) > whole else np.inf
+    if not step < _LEAST_STEP_NS or (whole and step <= 0.0):
+        return None, whole
+    known = [unit for unit in UNITS if unit in _TIME_UNITS]
+    fitting = [u for u in known if _STEPS_NS[0] <= step * 10 ** UNITS[u] <= _STEPS_NS[1]]
+    return ("s" if not whole else fitting[0] if len(fitting) == 1 else None), whole

@@ -1,15 +1,10 @@
-"""What a GoPro says of itself in a video: its model, its view, how long its sensor is read.
+"""What a GoPro says of itself in a video: its model, its view, its telemetry (GPMF) as one stream.
 
 Cameras note it in the user data of the film (``moov/udta``): ``FIRM`` is the firmware, whose first
-letters name the model, ``GPMF`` holds settings since the HERO6. Sources: gpmf-parser's README (the
-order of the IMU's columns by model, SROT); telemetry-parser (where MINF and SROT stand); exiftool's
-tables of GoPro tags (MINF, VFOV, ZFOV).
-
-The entries of GoPro's telemetry format (GPMF): key, type, size and repeat, then the values.
-
-Values are big-endian and padded to 4 bytes; type 0 nests. Format: github.com/gopro/gpmf-parser.
-
-GoPro's telemetry in a video (GPMF): accelerometer and gyroscope as one IMU stream.
+letters name the model, ``GPMF`` holds settings since the HERO6. Its entries are a key, type, size
+and repeat, then big-endian values, padded to 4 bytes; type 0 nests. Sources: gpmf-parser's README
+(the order of the IMU's columns by model, SROT); telemetry-parser (where MINF and SROT stand);
+exiftool's tables of GoPro tags (MINF, VFOV, ZFOV).
 
 The metadata track holds a packet about every second (`gopro.items`). Only ACCL and GYRO are taken,
 of the first device that has both.

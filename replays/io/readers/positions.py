@@ -120,35 +120,20 @@ def _topics(path: Path, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
 _MARK = b"\xa3\x95"
 _FORMATS = 0x80
 _MOST_MESSAGES, _MOST_LOST = 30_000_000, 100_000
-_TYPES = {
-    **dict.fromkeys("hc", "<i2"),
-    **dict.fromkeys("HC", "<u2"),
-    **dict.fromkeys("ieL", "<i4"),
-    **dict.fromkeys("IE", "<u4"),
-    **dict.fromkeys("BM", "u1"),
-    **dict(
-        zip(
-            "bqQgfdanNZ",
-            ("i1", "<i8", "<u8", "<f2", "<f4", "<f8", "V64", "S4", "S16", "S64"),
-            strict=True,
-        )
-    ),
-}
+_KINDS = "V64 i1 u1 <i2 <u2 <i4 <u4 <i8 <u8 <f4 <f8 <f2 S4 S16 S64 u1 <i2 <u2 <i4 <u4 <i4"
+_TYPES = dict(zip("abBhHiIqQfdgnNZMcCeEL", _KINDS.split(), strict=True))
 _SCALES = {**dict.fromkeys("cCeE", 0.01), "L": 1e-7}
-_AS_PX4: dict[str, tuple[str, dict[str, tuple[str, float]]]] = {
+_PLACES = {"latitude_deg": "Lat", "longitude_deg": "Lng", "altitude_ellipsoid_m": "Alt"}
+_AXES = {"gyro_rad": "Gyr", "accelerometer_m_s2": "Acc"}
+_AS_PX4: dict[str, tuple[str, dict[str, str]]] = {
     "IMU": (
         _IMU,
-        {f"gyro_rad[{k}]": (f"Gyr{axis}", 1.0) for k, axis in enumerate("XYZ")}
-        | {f"accelerometer_m_s2[{k}]": (f"Acc{axis}", 1.0) for k, axis in enumerate("XYZ")},
+        {f"{ours}[{k}]": own + "XYZ"[k] for ours, own in _AXES.items() for k in range(3)},
     ),
-    "MAG": (_FIELD, {f"magnetometer_ga[{k}]": (f"Mag{a}", 1e-3) for k, a in enumerate("XYZ")}),
-    "GPS": (
-        _POSITIONS[0],
-        {"latitude_deg": ("Lat", 1.0), "longitude_deg": ("Lng", 1.0), "fix_type": ("Status", 1.0)}
-        | {"altitude_ellipsoid_m": ("Alt", 1.0)},
-    ),
+    "MAG": (_FIELD, {f"magnetometer_ga[{k}]": "Mag" + "XYZ"[k] for k in range(3)}),
+    "GPS": (_POSITIONS[0], _PLACES | {"fix_type": "Status"}),
 }
-"""ArduPilot's messages as PX4's topics: names, and what one of each is there (mGauss in Gauss)."""
+"""ArduPilot's messages as PX4's topics, and what their columns are called in both."""
 
 
 def _messages(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -165,17 +150,16 @@ def _messages(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
         length = lengths.get(kind, 0) if data.startswith(_MARK, at) else 0
         if not length or at + length > len(data):
             at, lost = data.find(_MARK, at + 1), lost + 1
-        elif kind == _FORMATS:
-            number, size, *texts = struct.unpack_from("<BB4s16s64s", data, at + 3)
-            name, types, labels = (text.split(b"\0")[0].decode("latin-1") for text in texts)
-            if number not in lengths and size > 3:
-                lengths[number] = size
-                if name in _AS_PX4 and name not in (known[0] for known in kinds.values()):
-                    kinds[number], starts[number] = (name, types, labels), array("q")
-            at += length
         else:
             if kind in starts:
                 starts[kind].append(at + 3)
+            elif kind == _FORMATS:
+                number, size, *texts = struct.unpack_from("<BB4s16s64s", data, at + 3)
+                name, types, labels = (text.split(b"\0")[0].decode("latin-1") for text in texts)
+                if number not in lengths and size > 3:
+                    lengths[number] = size
+                    if name in _AS_PX4 and name not in (known[0] for known in kinds.values()):
+                        kinds[number], starts[number] = (name, types, labels), array("q")
             at += length
         count += 1
         if count > _MOST_MESSAGES or lost > _MOST_LOST:
@@ -193,25 +177,26 @@ def _messages(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
 def _columns(
     path: Path, name: str, types: str, labels: list[str], rows: NDArray[np.uint8]
 ) -> dict[str, Any]:
-    try:
-        kind = np.dtype([(str(at), _TYPES[letter]) for at, letter in enumerate(types)])
-    except KeyError as fault:
-        raise refusal(path, f"expected types of ArduPilot's, got {fault}", field=name) from fault
-    if kind.itemsize != rows.shape[1] or len(types) != len(labels):
+    if not set(types) <= _TYPES.keys() or len(types) != len(labels):
+        raise refusal(path, f"expected types of ArduPilot's, got {one_line(types)}", field=name)
+    kind = np.dtype([(str(at), _TYPES[letter]) for at, letter in enumerate(types)])
+    if kind.itemsize != rows.shape[1]:
         raise refusal(path, "expected a format as long as its messages", field=name)
     table = rows.view(kind)[:, 0]
-    numbers = {
-        label: str(at) for at, label in enumerate(labels) if table[str(at)].dtype.kind in "iuf"
-    }
-    with np.errstate(invalid="ignore"):
-        held = {label: table[at] * _SCALES.get(types[int(at)], 1) for label, at in numbers.items()}
+    held: dict[str, Any] = {}
+    for at, (label, letter) in enumerate(zip(labels, types, strict=True)):
+        if table[str(at)].dtype.kind in "iuf":
+            with np.errstate(invalid="ignore"):
+                held[label] = table[str(at)] * _SCALES.get(letter, 1)
     first = held["I"] == held["I"][0] if "I" in held else slice(None)
     try:
         time_us = held["TimeUS"] if "TimeUS" in held else 1000 * held["TimeMS"].astype(np.int64)
-        columns = {ours: held[own] * scale for ours, (own, scale) in _AS_PX4[name][1].items()}
+        columns = {ours: held[own][first] for ours, own in _AS_PX4[name][1].items()}
     except KeyError as fault:
         raise refusal(path, f"expected the column {fault}, got none", field=name) from fault
-    return {ours: values[first] for ours, values in {"timestamp": time_us, **columns}.items()}
+    if name == "MAG":
+        columns = {ours: 1e-3 * values for ours, values in columns.items()}  # of milligauss
+    return {"timestamp": time_us[first], **columns}
 
 
 def _stamps(topic: dict[str, Any]) -> IntArray:
@@ -314,7 +299,7 @@ def _reader(path: Path) -> Callable[[Path], _Fixes] | None:
         return _read_gpx
     if name.endswith(_NMEA):
         return _read_nmea
-    return _read_flight if is_flight_log(path) else None
+    return (lambda log: (*read_geodetic(log), None)) if is_flight_log(path) else None
 
 
 def _fixes(rows: Iterable[tuple[int, float, float, float]], path: Path) -> _Fixes:
@@ -325,10 +310,6 @@ def _fixes(rows: Iterable[tuple[int, float, float, float]], path: Path) -> _Fixe
             raise refusal(path, f"expected at most {MOST_FIXES} fixes, got more")
     stamps = np.array([row[0] for row in kept], dtype=np.int64)
     return stamps, np.array([row[1:] for row in kept], dtype=np.float64).reshape(-1, 3), None
-
-
-def _read_flight(path: Path) -> _Fixes:
-    return (*read_geodetic(path), None)
 
 
 def _read_gpx(path: Path) -> _Fixes:

@@ -4,19 +4,13 @@ A bag (`BAG:/topic` names one of its topics), a video with telemetry, a trial of
 or ArduPilot, a folder or zip of a phone's logger, KITTI's `oxts`, a recording with an IMU, or a
 table of text. Some hold a magnetometer's readings besides.
 
-Trials of BROAD: D. Laidig, M. Caruso, A. Cereatti and T. Seel, "BROAD: A benchmark for robust
-inertial orientation estimation", Data 6(7), 2021; samples are evenly spaced, so that stamps are
-counted from 0.
+Trials of BROAD: D. Laidig et al., "BROAD: A benchmark for robust inertial orientation estimation",
+Data 6(7), 2021; samples are evenly spaced, so that stamps are counted from 0.
 
-Apps that log a phone's sensors, a CSV each, in a folder or a zip.
-
-Sensor Logger (`TotalAcceleration.csv`, `Gravity.csv`, `Metadata.csv`) and phyphox name files after
-sensors (`Gyroscope.csv`). The gyroscope's stamps are kept and the force is interpolated to them
-(`io.imu.join_sensors`). Sources: Sensor Logger's UNITS.md and CROSSPLATFORM.md; of phyphox the
-columns that its export writes, in Android's convention on every phone.
-
-Force must hold gravity, +g upwards: where the accelerometer's file does not, that of gravity is
-added. Apple's sign is the opposite of Android's; Sensor Logger notes the platform.
+Phones' loggers write a CSV a sensor: Sensor Logger (`TotalAcceleration.csv`, `Gravity.csv`,
+`Metadata.csv`; its UNITS.md and CROSSPLATFORM.md) and phyphox, in Android's convention on every
+phone. The gyroscope's stamps are kept and the force is interpolated to them. Where that holds no
+gravity, that of gravity's file is added. Apple's sign is the opposite of Android's.
 """
 
 from __future__ import annotations
@@ -56,7 +50,7 @@ from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
 from motorcade.replays.io.readers.positions import is_flight_log, read_flight_log
 from motorcade.replays.io.readers.ros import recording as ros
-from motorcade.replays.io.readers.tables import Table, data_rows, in_order, read_table
+from motorcade.replays.io.readers.tables import data_rows
 
 if TYPE_CHECKING:
     import h5py
@@ -90,7 +84,7 @@ def _read_phone_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] 
         return _read(folder, path)
 
 
-def _read(folder: Path, path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
+def _read(folder: Path, path: Path) -> tuple[ImuStream, Field | None]:
     files = _sensors(folder)
     gyro, force = (_first(files, names) for names in (_GYRO, _FORCE))
     if len(files) == 1 and folder != path:
@@ -189,8 +183,6 @@ def _unpack(archive: ZipFile, folder: Path, path: Path) -> None:
                 plain.write(block)
 
 
-_IMU_COLUMNS = ("w_x", "w_y", "w_z", "a_x", "a_y", "a_z")
-_FIELD_COLUMNS = ("m_x", "m_y", "m_z")
 _HDF5_ENDINGS = (".hdf5", ".h5")
 Field = tuple[IntArray, FloatArray]
 """Stamps ``(M,)`` and readings ``(M, 3)`` of a magnetometer, in the IMU's axes."""
@@ -325,8 +317,9 @@ def read_imu_and_field(
     if field is None:
         if own and readings.held_by != "a table":
             raise refusal(path, "expected a magnetometer, got none")
-        columns = (*_IMU_COLUMNS, *_FIELD_COLUMNS) if own else _FIELD_COLUMNS
-        table = _table(magnetometer, columns)
+        alone = replace(MAGNETIC_FIELD, letters=MAGNETIC_FIELD.letters | {""})
+        columns = (ANGULAR_RATE, SPECIFIC_FORCE, MAGNETIC_FIELD) if own else (alone,)
+        table = read_columns(magnetometer, columns)
         field = table.time_ns, table.values[:, -3:]
     at = at_samples(readings.imu.time_ns, *field)
     if np.all(np.isnan(at)):
@@ -341,17 +334,6 @@ def at_samples(imu_ns: IntArray, time_ns: IntArray, field: FloatArray) -> FloatA
     within = (time_ns >= imu_ns[0]) & (rows < imu_ns.size)
     placed[rows[within]] = field[within]
     return placed
-
-
-def _table(path: Path, columns: tuple[str, ...]) -> Table:
-    if columns == _FIELD_COLUMNS:
-        try:
-            return read_columns(path, (MAGNETIC_FIELD,))
-        except RecordingError as fault:
-            if "unit" in str(fault):
-                raise
-    table = read_table(path, columns, separator=b",", unit="ns", header=True, more_columns=True)
-    return table.rows(in_order(path, table.lines, table.time_ns))
 
 
 FILE_LIMIT = 1 << 30
