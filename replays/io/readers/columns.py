@@ -23,7 +23,7 @@ import re
 from dataclasses import dataclass, replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -47,9 +47,6 @@ _LEAST_STEP_NS = 1000.0
 _STEPS_NS = 5e4, 2e9
 """Shortest and longest step of readings that are counted in whole units."""
 _PARTS = (b";", b"\t", b",")
-_WITHOUT_GRAVITY = frozenset({"linear", "lin", "user", "free"})
-_ANGULAR = frozenset({"angular", "ang", "angle"})
-_FORCE_WORDS = frozenset({"acc", "accel", "accelerometer", "acceleration", "force"})
 _RATE = re.compile(
     rb"(?i)(?:update|output|sample|sampling) ?rate\W+([1-9][0-9]{0,4}(?:\.[0-9]{1,6})?)"
 )
@@ -57,13 +54,26 @@ _TICKS_US = 8000.0
 """Steps of `SampleTimeFine` below are 100 µs each: DOT's, of 1 µs, are 8333 at their fastest."""
 _LOG = logging.getLogger("motorcade.replays")
 
-_TIMES = {"timestamp", "timestamps", "time", "stamp", "t", "ts"}
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+def _spelled(spellings: dict[str, Any]) -> dict[str, Any]:
+    """By each word of the keys."""
+    return {word: meant for words, meant in spellings.items() for word in words.split()}
+
+
+_WITHOUT_GRAVITY = _words("linear lin user free")
+_ANGULAR = _words("angular ang angle")
+_FORCE_WORDS = _words("acc accel accelerometer acceleration force")
+_TIMES = _words("timestamp timestamps time stamp t ts")
 _TIME_UNITS = {
-    **dict.fromkeys(("ns", "nsec", "nsecs", "nanosecond", "nanoseconds"), "ns"),
-    **dict.fromkeys(("us", "usec", "microsecond", "microseconds"), "us"),
-    **dict.fromkeys(("ms", "msec", "millisecond", "milliseconds"), "ms"),
-    **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
+    "ns nsec nsecs nanosecond nanoseconds": "ns",
+    "ms msec millisecond milliseconds": "ms",
 }
+_TIME_UNITS |= {"us usec microsecond microseconds": "us", "s sec secs second seconds": "s"}
+_TIME_UNITS = _spelled(_TIME_UNITS)
 
 
 @dataclass(frozen=True)
@@ -101,55 +111,36 @@ class Quantity:
         return last if opens in self.letters or self.words & set(before) else None
 
 
+_DEGREES = "deg/s degs-1 deg/sec deg_s °/s °s-1 dps"
 ANGULAR_RATE = Quantity(
-    frozenset({"gyr", "gyro", "gyroscope", "omega", "angular", "ang", "rate"}),
-    frozenset({"w", "g"}),
+    _words("gyr gyro gyroscope omega angular ang rate"),
+    _words("w g"),
     "xyz",
     "w_",
-    {
-        **dict.fromkeys(("rad/s", "rads-1", "rad/sec", "rad_s"), 1.0),
-        **dict.fromkeys(("deg/s", "degs-1", "deg/sec", "deg_s"), np.pi / 180.0),
-        **dict.fromkeys(("°/s", "°s-1", "dps"), np.pi / 180.0),
-    },
+    _spelled({"rad/s rads-1 rad/sec rad_s": 1.0, _DEGREES: np.pi / 180.0}),
     without=_FORCE_WORDS | {"angle"},
 )
-_FORCE_UNITS = {
-    **dict.fromkeys(("m/s2", "ms-2", "m/s/s", "m_s2"), 1.0),
-    "g": 9.80665,
-    "mg": 9.80665e-3,
-}
+_FORCE_UNITS = _spelled({"m/s2 ms-2 m/s/s m_s2": 1.0, "g": 9.80665, "mg": 9.80665e-3})
 SPECIFIC_FORCE = Quantity(
-    _FORCE_WORDS, frozenset({"a", "f"}), "xyz", "a_", _FORCE_UNITS, _WITHOUT_GRAVITY | _ANGULAR
+    _FORCE_WORDS, _words("a f"), "xyz", "a_", _FORCE_UNITS, _WITHOUT_GRAVITY | _ANGULAR
 )
 MAYBE_FREE = Quantity(
     _FORCE_WORDS, frozenset(), "xyz", "a_", _FORCE_UNITS, _ANGULAR, of=_WITHOUT_GRAVITY
 )
 """Android's linear, Apple's of the user, Xsens' free: without gravity; ROS' linear: with it."""
-GRAVITY = Quantity(frozenset({"gravity"}), frozenset(), "xyz", "g_", _FORCE_UNITS)
+GRAVITY = Quantity(_words("gravity"), frozenset(), "xyz", "g_", _FORCE_UNITS)
+_FIELD_UNITS = {"ut microtesla - 1 a.u.": 1.0, "g gauss ga": 100.0, "mg mgauss": 0.1}
+_FIELD_UNITS |= {"t tesla": 1e6, "mt": 1e3, "nt": 1e-3}
 MAGNETIC_FIELD = Quantity(
-    frozenset({"mag", "magn", "magnetic", "magnetometer"}),
-    frozenset({"m", "b"}),
-    "xyz",
-    "m_",
-    {
-        **dict.fromkeys(("ut", "microtesla", "-", "1", "a.u."), 1.0),
-        **dict.fromkeys(("g", "gauss", "ga"), 100.0),
-        **dict.fromkeys(("mg", "mgauss"), 0.1),
-        **dict.fromkeys(("t", "tesla"), 1e6),
-        "mt": 1e3,
-        "nt": 1e-3,
-    },
+    _words("mag magn magnetic magnetometer"), _words("m b"), "xyz", "m_", _spelled(_FIELD_UNITS)
 )
+_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0}
 POSITION = Quantity(
-    frozenset({"pos", "position", "translation"}),
-    frozenset({"p", "t", ""}),
-    "xyz",
-    "t",
-    {"m": 1.0, "cm": 0.01, "mm": 0.001, "km": 1000.0},
+    _words("pos position translation"), frozenset({"p", "t", ""}), "xyz", "t", _LENGTHS
 )
 QUATERNION = Quantity(
-    frozenset({"quat", "quaternion", "orientation", "rotation", "rot"}),
-    frozenset({"q"}),
+    _words("quat quaternion orientation rotation rot"),
+    _words("q"),
     "wxyz",
     "q",
     {"-": 1.0, "1": 1.0},
