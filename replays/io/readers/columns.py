@@ -301,13 +301,9 @@ def _layout(path: Path, opening: _Opening, quantities: tuple[Quantity, ...]) -> 
     in_order = all(places == [names.index(name)] for name, places in seen.items())
     if twice or (missing and not in_order):
         what = f"{twice[0]} twice" if twice else f"no {missing[0]}"
-        raise refusal(
-            path,
-            f"expected a header that names {' '.join(names)}, or leaves them in this order, got "
-            f"{what} in {one_line(b','.join(opening.header))}",
-            line=opening.line,
-            advice="rename its columns",
-        )
+        expected = f"expected a header that names {' '.join(names)}, or leaves them in this order"
+        problem = f"{expected}, got {what} in {one_line(b','.join(opening.header))}"
+        raise refusal(path, problem, line=opening.line, advice="rename its columns")
     if not missing:
         order = [seen[name][0] for name in names]
     units = [said[at][1] if name in seen else "" for name, at in zip(names, order, strict=True)]

@@ -17,6 +17,9 @@ gyroscope's stamps are kept where the rates differ, and the force is interpolate
 Axes: columns are turned to x, y, z here. Their order and signs stand in ORIN since the HERO8, and
 follow from the model before (`gopro.MODELS`). How the camera sits on them is for a manifest's
 `imu_T_camera` to say.
+
+Android's (CAMM: developers.google.com/streetview/publish/camm-spec) has a packet a sample, of type
+2 (rad/s) or 3 (m/s²), in the camera's axes, which are turned to those of a GoPro's IMU.
 """
 
 from __future__ import annotations
@@ -206,7 +209,7 @@ def numbers(item: Item, path: Path) -> FloatArray:
 
 _LOG = logging.getLogger("motorcade.replays")
 
-_MOST_PACKETS = 100_000
+_MOST_PACKETS = 2_000_000
 _MOST_BYTES = 2**28
 _DEEPEST = 8
 _WORST_FIT_S = 0.02
@@ -228,17 +231,34 @@ def read_telemetry(path: Path) -> ImuStream | None:
         RecordingError: telemetry that is damaged, in unknown units or types, or beyond bounds.
     """
     gathered: dict[bytes, list[_Packet]] = {b"ACCL": [], b"GYRO": []}
+    camm: dict[bytes, list[tuple[float, bytes]]] = {_CAMM_GYRO: [], _CAMM_FORCE: []}
     camera = gopro_camera(path)
     order = DEFAULT_ORDER if camera is None else camera.order
     for start_s, duration_s, data in _packets(path):
+        if data[:4] in camm:
+            camm[data[:4]].append((start_s, data[4:]))
+            continue
         for key, values in _sensors(data, path, order).items():
             gathered[key].append(_Packet(start_s, duration_s, values))
-    if not (gathered[b"ACCL"] and gathered[b"GYRO"]):
+    if all(camm.values()):
+        sensors = [_of_camm(samples, path) for samples in camm.values()]
+    elif all(gathered.values()):
+        sensors = [_joined(gathered[key], path) for key in (b"GYRO", b"ACCL")]
+    else:
         return None
-    gyro_ns, rate = _joined(gathered[b"GYRO"], path)
-    accel_ns, force = _joined(gathered[b"ACCL"], path)
     with refusing(path, "telemetry"):
-        return join_sensors(gyro_ns, rate, accel_ns, force)
+        return join_sensors(*sensors[0], *sensors[1])
+
+
+_CAMM_GYRO, _CAMM_FORCE = b"\0\0\2\0", b"\0\0\3\0"
+
+
+def _of_camm(samples: list[tuple[float, bytes]], path: Path) -> tuple[IntArray, FloatArray]:
+    """Of stamps that are equal the first is kept."""
+    stamps = np.rint([1e9 * start_s for start_s, _ in samples]).astype(np.int64)
+    values = np.frombuffer(b"".join(body for _, body in samples), "<f4").reshape(-1, 3)
+    time_ns, rows = np.unique(stamps, return_index=True)
+    return time_ns, _turned(values[rows].astype(np.float64), "xzy", path)
 
 
 def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
@@ -249,7 +269,10 @@ def _packets(path: Path) -> Iterator[tuple[float, float, bytes]]:
             tracks = [entry for entry in container.streams if entry.type == "data"]
             for count, packet in enumerate(container.demux(tracks) if tracks else ()):
                 data = bytes(packet)
-                if packet.pts is None or packet.time_base is None or data[:4] != b"DEVC":
+                is_camm = len(data) == 16 and data[:4] in (_CAMM_GYRO, _CAMM_FORCE)
+                if packet.pts is None or not (
+                    packet.time_base and (is_camm or data[:4] == b"DEVC")
+                ):
                     continue
                 size += len(data)
                 if count >= _MOST_PACKETS or size > _MOST_BYTES:

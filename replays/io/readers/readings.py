@@ -35,7 +35,6 @@ from motorcade.ga.names import one_line
 from motorcade.replays.io.files import RecordingError, open_bounded, refusal, refusing
 from motorcade.replays.io.imu import join_sensors, read_imu, with_gravity
 from motorcade.replays.io.readers import manifest as manifests
-from motorcade.replays.io.readers import positions
 from motorcade.replays.io.readers.columns import (
     ANGULAR_RATE,
     MAGNETIC_FIELD,
@@ -48,7 +47,12 @@ from motorcade.replays.io.readers.frames import video
 from motorcade.replays.io.readers.gopro import read_telemetry
 from motorcade.replays.io.readers.layouts import euroc
 from motorcade.replays.io.readers.opening import open_recording, recording_and_topic
-from motorcade.replays.io.readers.positions import is_flight_log, read_flight_log
+from motorcade.replays.io.readers.positions import (
+    is_flight_log,
+    oxts_folder,
+    read_flight_log,
+    read_oxts_imu,
+)
 from motorcade.replays.io.readers.ros import recording as ros
 from motorcade.replays.io.readers.tables import data_rows
 
@@ -74,17 +78,12 @@ def _is_phone_log(path: Path) -> bool:
     return all(any(name in names for name in known) for known in (_GYRO, _FORCE))
 
 
-def _read_phone_log(path: Path) -> tuple[ImuStream, tuple[IntArray, FloatArray] | None]:
-    """The stream, and stamps and magnetic field (µT) where a magnetometer was logged.
+def _read_phone_log(folder: Path, path: Path) -> tuple[ImuStream, Field | None]:
+    """The stream of what lies in a folder, and stamps and magnetic field (µT) where it was logged.
 
     Raises:
         RecordingError: no such files, readings without gravity, or what `read_columns` refuses.
     """
-    with refusing(path), _folder(path) as folder:
-        return _read(folder, path)
-
-
-def _read(folder: Path, path: Path) -> tuple[ImuStream, Field | None]:
     files = _sensors(folder)
     gyro, force = (_first(files, names) for names in (_GYRO, _FORCE))
     if len(files) == 1 and folder != path:
@@ -241,19 +240,11 @@ def _source(path: Path) -> tuple[str, _Read]:
     bag, topic = recording_and_topic(path)
     known: tuple[tuple[bool, str, _Read], ...] = (
         (topic is not None or ros.recognise(bag), "a ROS bag", _of_bag),
-        (
-            video.recognise(path),
-            "a video's telemetry",
-            lambda entry, _: (read_telemetry(entry), None),
-        ),
+        (video.recognise(path), "a video's telemetry", lambda at, _: (read_telemetry(at), None)),
         (path.suffix.lower() in _HDF5_ENDINGS, "a trial of BROAD", _of_broad),
         (is_flight_log(path), "a flight's log", lambda entry, _: read_flight_log(entry)),
-        (_is_phone_log(path), "a phone's logger", lambda entry, _: _read_phone_log(entry)),
-        (
-            path.is_dir() and positions.oxts_folder(path) is not None,
-            "KITTI's oxts",
-            lambda entry, _: (positions.read_oxts_imu(entry), None),
-        ),
+        (_is_phone_log(path), "a phone's logger", _of_phone),
+        (bool(oxts_folder(path)), "KITTI's oxts", lambda at, _: (read_oxts_imu(at), None)),
         (path.is_dir(), "a recording", _of_recording),
     )
     return next(((what, read) for holds, what, read in known if holds), ("a table", _of_table))
@@ -275,6 +266,11 @@ def _of_bag(path: Path, with_field: bool) -> tuple[ImuStream | None, Field | Non
 def _of_broad(path: Path, _: bool) -> tuple[ImuStream, Field]:
     stream, field = read_broad(path)
     return stream, (stream.time_ns, field)
+
+
+def _of_phone(path: Path, _: bool) -> tuple[ImuStream, Field | None]:
+    with refusing(path), _folder(path) as folder:
+        return _read_phone_log(folder, path)
 
 
 def _of_recording(path: Path, _: bool) -> tuple[ImuStream | None, None]:

@@ -261,22 +261,15 @@ def in_order(path: Path, lines: IntArray, time_ns: IntArray) -> IntArray:
     backwards = np.flatnonzero(steps < 0)
     if backwards.size:
         at = int(backwards[0]) + 1
-        raise refusal(
-            path,
-            f"expected stamps in increasing order, got {time_ns[at]} ns after {time_ns[at - 1]} ns",
-            line=int(lines[at]),
-            advice="sort the file by its stamps",
-        )
+        got = f"got {time_ns[at]} ns after {time_ns[at - 1]} ns"
+        problem = f"expected stamps in increasing order, {got}"
+        raise refusal(path, problem, line=int(lines[at]), advice="sort the file by its stamps")
     repeats = np.flatnonzero(steps == 0) + 1
     if repeats.size:
         named = ", ".join(str(line) for line in lines[repeats[:8]])
         more = f" and {repeats.size - 8} more" if repeats.size > 8 else ""
-        _LOG.warning(
-            "%s: stamp equal to the row before on line %s%s; the first row of each is kept",
-            path,
-            named,
-            more,
-        )
+        said = "%s: stamp equal to the row before on line %s%s; the first row of each is kept"
+        _LOG.warning(said, path, named, more)
     return np.delete(np.arange(len(time_ns)), repeats)
 
 
@@ -316,9 +309,5 @@ def _refuse_not_finite(
     faults = np.argwhere(~np.isfinite(values))
     if faults.size:
         row, column = (int(i) for i in faults[0])
-        raise refusal(
-            path,
-            f"expected a finite number, got {values[row, column]}",
-            line=int(lines[row]),
-            field=columns[column],
-        )
+        problem = f"expected a finite number, got {values[row, column]}"
+        raise refusal(path, problem, line=int(lines[row]), field=columns[column])

@@ -2,8 +2,10 @@
 
 import itertools
 import struct
+from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -18,6 +20,8 @@ from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.readers.readings import read_imu_of
 
 HERE = Path("made-up.mp4")
+TURNED = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]])
+"""How a camera's axes are ordered on a GoPro's IMU, all of them backwards."""
 
 
 def entry(key: str, kind: str, size: int, body: bytes) -> bytes:
@@ -205,3 +209,30 @@ def test_sync_takes_a_video_a_recording_or_a_file(data_dir: Path, tmp_path: Path
         )
     with pytest.raises(RecordingError, match=r"plain\.mp4.*expected accelerometer and gyroscope"):
         read_imu_of(tmp_path / "plain.mp4")
+
+
+def test_telemetry_of_android_is_read(rng: np.random.Generator, tmp_path: Path) -> None:
+    """A packet a sample, each of one type (CAMM); bytes of other packets are left alone."""
+    rate, force = rng.normal(0.0, 1.0, (60, 3)), rng.normal(0.0, 0.1, (60, 3)) - [0.0, 9.81, 0.0]
+    path = tmp_path / "phone.mp4"
+    with av.open(str(path), "w") as container:
+        video = container.add_stream("mpeg4", rate=30)
+        video.width, video.height, video.pix_fmt = 64, 48, "yuv420p"
+        track = container.add_data_stream("bin_data")
+        for number in range(60):
+            image = av.VideoFrame.from_ndarray(np.full((48, 64, 3), number, np.uint8), "rgb24")
+            container.mux(video.encode(image))
+            for kind, values in ((0, rate), (2, rate), (3, force)):
+                body = struct.pack("<HH3f", 0, kind, *values[number])
+                packet = av.Packet(body)
+                packet.stream, packet.time_base = track, Fraction(1, 1000)
+                packet.pts = packet.dts = 10 * number + kind
+                container.mux(packet)
+        container.mux(video.encode())
+    imu = read_imu_of(path)
+    assert 58 <= len(imu) <= 60
+    np.testing.assert_array_equal(np.diff(imu.time_ns), 10_000_000)
+    first = np.argmin(np.abs(rate[:3] + imu.angular_rate_rad_s[0] @ TURNED).sum(axis=1))
+    found = -imu.angular_rate_rad_s @ TURNED
+    np.testing.assert_allclose(found, rate[first : first + len(imu)], atol=1e-6)
+    assert np.median(imu.specific_force_m_s2[:, 2]) == pytest.approx(9.81, abs=0.1)
