@@ -255,9 +255,9 @@ _CAMM_GYRO, _CAMM_FORCE = b"\0\0\2\0", b"\0\0\3\0"
 
 def _of_camm(samples: list[tuple[float, bytes]], path: Path) -> tuple[IntArray, FloatArray]:
     """Of stamps that are equal the first is kept."""
-    stamps = np.rint([1e9 * start_s for start_s, _ in samples]).astype(np.int64)
+    stamps_ns = np.clip([1e9 * start_s for start_s, _ in samples], -(2.0**62), 2.0**62)
     values = np.frombuffer(b"".join(body for _, body in samples), "<f4").reshape(-1, 3)
-    time_ns, rows = np.unique(stamps, return_index=True)
+    time_ns, rows = np.unique(np.rint(stamps_ns).astype(np.int64), return_index=True)
     return time_ns, _turned(values[rows].astype(np.float64), "xzy", path)
 
 

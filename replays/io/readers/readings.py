@@ -18,6 +18,7 @@ from __future__ import annotations
 import logging
 import math
 import tempfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -62,6 +63,7 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger("motorcade.replays")
 ZIP_LIMIT = 2**30
+_BROKEN = (BadZipFile, NotImplementedError, EOFError, OSError, RuntimeError, zlib.error)
 _MOST_PARTS = 1000
 _PART_LIMIT = 2**28
 _BLOCK = 2**20
@@ -147,7 +149,7 @@ def _folder(path: Path) -> Iterator[Path]:
         try:
             with open_bounded(path, ZIP_LIMIT) as file, ZipFile(file) as archive:
                 _unpack(archive, Path(place), path)
-        except (BadZipFile, NotImplementedError, EOFError, OSError, RuntimeError) as fault:
+        except _BROKEN as fault:
             raise refusal(path, f"expected a zip: {one_line(fault, 100)}") from fault
         yield Path(place)
 

@@ -280,3 +280,12 @@ def test_damaged_logs_of_ardupilot_are_refused(
     path.write_bytes(path.read_bytes().replace(found, put, 1))
     with pytest.raises(RecordingError, match=problem):
         read_imu_of(path)
+
+
+def test_a_zip_whose_packing_is_damaged_is_refused(motion: Motion, tmp_path: Path) -> None:
+    path = KINDS["sensor_logger_zip"](tmp_path, motion)
+    whole = path.read_bytes()
+    for at in range(200, len(whole) // 2, len(whole) // 40):
+        path.write_bytes(whole[:at] + bytes(64) + whole[at + 64 :])
+        with pytest.raises(RecordingError, match="zip"):
+            read_imu_of(path)
