@@ -33,7 +33,8 @@ from motorcade.animation.formats import read_character, write_gltf
 from motorcade.animation.ik import Chain, bend_limb, reach_with
 from motorcade.animation.mannequin import mannequin
 from motorcade.animation.place import GroundPath, Placement, place_on_plane, walk_along
-from motorcade.animation.retarget import legs_of, retarget
+from motorcade.animation.retarget import legs_of
+from motorcade.animation.retarget.transfer import retarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.animation.skin import skin
 

@@ -1,10 +1,8 @@
 """From the world to a pinhole camera's image, and from that to the image through a lens.
 
-Drawn images are distorted as a lens does it, so that footage can stay as it was taken.
-
 The scene is drawn by a pinhole camera wide enough for the whole distorted image, and what was
-drawn is resampled: alpha is premultiplied, so edges stay clean. Undistorting the footage instead
-would blur all of it and cut its border off.
+drawn is resampled as the lens distorts it: alpha is premultiplied, so edges stay clean.
+Undistorting the footage instead would blur all of it and cut its border off.
 """
 
 from __future__ import annotations

@@ -16,18 +16,13 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_floats, checked_positive
 from motorcade.ga.lookahead import ahead
 from motorcade.ga.names import nearest_name
-from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.fast import FastRenderer
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import Renderer
 from motorcade.render.composite import Matching
 from motorcade.render.figures import FigureSeen, Performer
-from motorcade.render.light import (
-    ExposureMeter,
-    Prints,
-    above_ground,
-    character_lighting,
-    sunlight_direction,
-)
+from motorcade.render.light import ExposureMeter, Prints, character_lighting, sunlight_direction
+from motorcade.render.light.lamps import above_ground
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import AnyFrame, FilmStage

@@ -1,9 +1,6 @@
-"""Frames on their way through the overlay: figures posed, drawn, and laid over footage.
+"""Frames on their way through the overlay: figures posed, drawn, hidden, and laid over footage.
 
 Only the part of an image that figures and their shade can change is distorted, shaded and mixed.
-
-What hides a character, and what takes its shadow: flat prints, the ground, what stands on it.
-
 Without measured depth, a board or a marker with a known pose is a rectangle and the ground is a
 plane; both have a depth in every image, and hide things by the same rule as measured depth does.
 Measured depth also shows how high things stand on the ground.
@@ -37,7 +34,9 @@ from motorcade.render.composite import (
 )
 from motorcade.render.figures import DrawnFigure, FigureSeen, Performer, figures_seen, lit_together
 from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, plane_homography, seen_extent
-from motorcade.render.light import MOST_OVER, PAPER, ExposureMeter, Prints, light_on
+from motorcade.render.light import ExposureMeter, Prints
+from motorcade.render.light.ground import MOST_OVER, PAPER
+from motorcade.render.light.lamps import light_on
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
     NEAREST_M,

@@ -3,19 +3,9 @@
 from motorcade.animation.authoring.drags import Drag, Snapping
 from motorcade.animation.authoring.editor import SceneEditor, replay
 from motorcade.animation.authoring.edits import Edit
-from motorcade.animation.authoring.gestures import (
-    AnchorsStand,
-    Dragged,
-    Gesture,
-    HistoryStep,
-    Together,
-    gesture_of,
-    read_gestures,
-)
+from motorcade.animation.authoring.gestures import Dragged, Gesture, gesture_of, read_gestures
 from motorcade.animation.authoring.parts import (
-    JointKeyframe,
     SceneAnchor,
-    SceneLayer,
     ScenePart,
     SceneWalk,
     between_keyframes,
@@ -26,23 +16,18 @@ from motorcade.animation.authoring.scene import Scene
 from motorcade.animation.authoring.scene_file import read_scene, scene_of, scene_text
 
 __all__ = [
-    "AnchorsStand",
     "Drag",
     "Dragged",
     "Edit",
     "EulerObjectPose",
     "Gesture",
-    "HistoryStep",
-    "JointKeyframe",
     "ObjectPose",
     "Scene",
     "SceneAnchor",
     "SceneEditor",
-    "SceneLayer",
     "ScenePart",
     "SceneWalk",
     "Snapping",
-    "Together",
     "VersorObjectPose",
     "between_keyframes",
     "compare_interpolations",

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.authoring.poses import checked_vector
-from motorcade.animation.ik import Ball, Hinge, IkSolver, PoseGoal
-from motorcade.animation.ik.chain import JointKind, checked_direction
+from motorcade.animation.ik.chain import Ball, Hinge, JointKind, checked_direction
+from motorcade.animation.ik.solver import IkSolver, PoseGoal
 from motorcade.animation.retarget import body_of
 from motorcade.animation.retarget.reference import ancestors
 from motorcade.animation.skeleton import Skeleton

@@ -31,6 +31,8 @@ _GROUP = ScenePart()
 class Scene:
     """Objects by name; a parent is named before its children.
 
+    Methods that are given the name of no object raise ValueError, which lists those there are.
+
     Args:
         parents: the parent of each object: an anchor, an object, or None for the world.
         poses: `parent_T_object` of each, all of one kind.
@@ -78,20 +80,12 @@ class Scene:
                 raise ValueError(f"Scene.parents: expected at most {DEEPEST} deep, got '{name}'")
 
     def part(self, name: str) -> ScenePart:
-        """What an object is and does.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """What an object is and does."""
         self.pose(name)
         return self.parts.get(name, _GROUP)
 
     def anchor_of(self, name: str) -> str | None:
-        """The name of the anchor that an object hangs on, however deep; None for the world.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """The name of the anchor that an object hangs on, however deep; None for the world."""
         self.pose(name)
         return self._above(name)[1]
 
@@ -113,9 +107,6 @@ class Scene:
 
         Returns:
             a batch ``(T,)`` where it has keyframes and several times are asked for, else one.
-
-        Raises:
-            ValueError: no such object.
         """
         pose, part = self.pose(name).as_similarity(), self.part(name)
         if part.keyframes and time_s is not None:
@@ -139,9 +130,6 @@ class Scene:
             time_s: see `pose_at`.
             world_T_anchor: where anchors stand; for one that is left out, its own frame is the
                 world of what hangs on it.
-
-        Raises:
-            ValueError: no such object.
         """
         self.pose(name)
         chain, anchor = self._above(name)
@@ -160,18 +148,11 @@ class Scene:
     ) -> Similarity:
         """Where an object stands in the world; over times ``(T,)`` the path that it takes, a batch
         unless neither it nor what carries it moves. See `world_T_parent`.
-
-        Raises:
-            ValueError: no such object.
         """
         return self.world_T_parent(name, time_s, world_T_anchor) @ self.pose_at(name, time_s)
 
     def branch(self, name: str) -> list[str]:
-        """An object and all that hang on it, in their order.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """An object and all that hang on it, in their order."""
         self.pose(name)
         if name not in self.parents.values():
             return [name]
@@ -182,11 +163,7 @@ class Scene:
         return [one for one in self.parents if one in names]
 
     def pose(self, name: str) -> ObjectPose:
-        """The pose of an object in its parent.
-
-        Raises:
-            ValueError: no such object; the message lists those there are.
-        """
+        """The pose of an object in its parent."""
         if name not in self.poses:
             raise ValueError(
                 f"object: expected one of {', '.join(self.poses) or 'none'}, got '{name}'"
@@ -194,20 +171,12 @@ class Scene:
         return self.poses[name]
 
     def with_pose(self, name: str, pose: ObjectPose) -> Scene:
-        """The scene with one object somewhere else.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """The scene with one object somewhere else."""
         self.pose(name)
         return self.but(poses={**self.poses, name: pose})
 
     def with_part(self, name: str, part: ScenePart) -> Scene:
-        """The scene with one object that is or does something else.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """The scene with one object that is or does something else."""
         self.pose(name)
         changed = self.but(parts={**self.parts, name: part})
         more = part.keyframe_count - self.part(name).keyframe_count
@@ -265,11 +234,7 @@ class Scene:
         }
 
     def object_json(self, name: str) -> dict[str, Any]:
-        """An object's entry in a scene file.
-
-        Raises:
-            ValueError: no such object.
-        """
+        """An object's entry in a scene file."""
         part, parent = self.part(name), self.parents[name]
         return {
             "name": name,

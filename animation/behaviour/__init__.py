@@ -1,14 +1,8 @@
 """Behaviour: characters that idle, turn, walk, arrive and act, and keep out of each other's way."""
 
 from motorcade.animation.behaviour.actor import Act, Actor, ClipLayer, gait_between
-from motorcade.animation.behaviour.crowd import Crowd, closest_m, keep_apart
-from motorcade.animation.behaviour.performance import (
-    Errand,
-    Performance,
-    Timeline,
-    foot_slides_m,
-    perform,
-)
+from motorcade.animation.behaviour.crowd import Crowd, keep_apart
+from motorcade.animation.behaviour.performance import Errand, Performance, Timeline, perform
 from motorcade.animation.behaviour.sources import Gaze, LookTarget
 
 __all__ = [
@@ -21,8 +15,6 @@ __all__ = [
     "LookTarget",
     "Performance",
     "Timeline",
-    "closest_m",
-    "foot_slides_m",
     "gait_between",
     "keep_apart",
     "perform",

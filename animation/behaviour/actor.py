@@ -12,14 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from motorcade.animation.behaviour.sources import Gaze
-from motorcade.animation.blend import (
-    BlendSpace,
-    GroundedMotion,
-    RootMotion,
-    grounded,
-    in_step,
-    planted,
-)
+from motorcade.animation.blend import BlendSpace, RootMotion, grounded, in_step
+from motorcade.animation.blend.alignment import GroundedMotion, planted
 from motorcade.animation.character import Character
 from motorcade.animation.clip import Clip
 from motorcade.animation.ik import Leg

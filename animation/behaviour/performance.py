@@ -1,18 +1,14 @@
 """An errand in time, as states and ways on the plane, and the poses that are made of it.
 
-All segments are put together first and their feet are planted once, over all of them: a foot that
-stands from one state into the next stands on one place. Where the next state has it stand elsewhere
-it steps there, one foot after the other.
-
-No pose is made here, so that crowds can try many errands. Ways go over into one another by inertia,
-poses do so in `perform`.
-
-What a character may do and in which order: the states, and the errand that leads through them.
-
 idle ── turn ── walk ── arrive ── turn ── act ── idle
 
 A state is left for the first of those that follow it which the situation asks for: whoever has a
 way to go turns towards it and walks, whoever has arrived turns to where it shall look and acts.
+
+All segments are put together first and their feet are planted once, over all of them: a foot that
+stands from one state into the next stands on one place. Where the next state has it stand elsewhere
+it steps there, one foot after the other. `Timeline` makes no pose, so that crowds can try many
+errands. Ways go over into one another by inertia, poses do so in `perform`.
 """
 
 from __future__ import annotations
@@ -30,7 +26,8 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.animation.behaviour import sources
 from motorcade.animation.behaviour.actor import Actor, ClipLayer
 from motorcade.animation.behaviour.sources import LookTarget
-from motorcade.animation.blend import Inertialized, PoseSource, Shifted
+from motorcade.animation.blend import Inertialized, Shifted
+from motorcade.animation.blend.transitions import PoseSource
 from motorcade.animation.clip import Clip
 from motorcade.animation.easing import FADE_S, smootherstep
 from motorcade.animation.ik import find_stances, plant_feet

@@ -13,18 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.animation.anatomy.tree import named_eyes
-from motorcade.animation.blend import (
-    PoseLayer,
-    Poses,
-    PoseSource,
-    RootMotion,
-    added,
-    additive,
-    blend_layers,
-)
+from motorcade.animation.blend import PoseLayer, RootMotion, added, additive, blend_layers
+from motorcade.animation.blend.methods import Poses
+from motorcade.animation.blend.transitions import PoseSource
 from motorcade.animation.character import Character
 from motorcade.animation.easing import smootherstep, smoothstep
-from motorcade.animation.ik import Ball, IkSolver, Leg, LookAt, bend_limb
+from motorcade.animation.ik import Leg, bend_limb
+from motorcade.animation.ik.chain import Ball
+from motorcade.animation.ik.solver import IkSolver, LookAt
 from motorcade.animation.place.walks import GroundPath, Pace, rigid
 from motorcade.animation.retarget import body_of
 from motorcade.animation.skeleton import Skeleton, with_joint

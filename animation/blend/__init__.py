@@ -1,17 +1,10 @@
 """Blending: poses mixed by any method, in layers, along blend spaces and across transitions."""
 
-from motorcade.animation.blend.alignment import (
-    GroundedMotion,
-    blend_motions,
-    grounded,
-    in_step,
-    planted,
-)
+from motorcade.animation.blend.alignment import blend_motions, grounded, in_step
 from motorcade.animation.blend.locomotion import BlendSpace, RootMotion
 from motorcade.animation.blend.methods import (
     BlendMethod,
     PoseLayer,
-    Poses,
     added,
     additive,
     blend_layers,
@@ -22,7 +15,6 @@ from motorcade.animation.blend.methods import (
 from motorcade.animation.blend.transitions import (
     CrossFade,
     Inertialized,
-    PoseSource,
     Shifted,
     blend_clips,
     differences_m,
@@ -32,11 +24,8 @@ __all__ = [
     "BlendMethod",
     "BlendSpace",
     "CrossFade",
-    "GroundedMotion",
     "Inertialized",
     "PoseLayer",
-    "PoseSource",
-    "Poses",
     "RootMotion",
     "Shifted",
     "added",
@@ -49,6 +38,5 @@ __all__ = [
     "differences_m",
     "grounded",
     "in_step",
-    "planted",
     "stacked",
 ]

@@ -39,7 +39,8 @@ class PoseSource(Protocol):
 
     >>> import numpy as np
     >>> from motorcade.animation import Clip
-    >>> from motorcade.animation.blend import PoseSource, Shifted
+    >>> from motorcade.animation.blend import Shifted
+    >>> from motorcade.animation.blend.transitions import PoseSource
     >>> from motorcade.ga import Motor
     >>> def shape_of(motion: PoseSource) -> tuple[int, ...]:
     ...     return motion.at([0.0, 0.5]).shape

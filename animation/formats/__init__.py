@@ -15,10 +15,10 @@ from motorcade.animation.character import Character
 from motorcade.animation.formats.bvh import read_bvh
 from motorcade.animation.formats.collada import read_collada
 from motorcade.animation.formats.fbx import read_fbx
-from motorcade.animation.formats.gltf import (
+from motorcade.animation.formats.gltf import read_gltf
+from motorcade.animation.formats.gltf.write import (
     CameraPath,
     CharacterOnPath,
-    read_gltf,
     write_cast_gltf,
     write_gltf,
 )
@@ -34,12 +34,10 @@ from motorcade.animation.formats.rig.values import Rig
 from motorcade.ga.names import did_you_mean
 
 __all__ = [
-    "SUFFIXES",
     "CameraPath",
     "CharacterOnPath",
     "FormatError",
     "NoMeshError",
-    "SkeletalMotion",
     "read_character",
     "read_motion",
     "write_cast_gltf",

@@ -1,12 +1,10 @@
 """Chains of joints brought to points, and how joints may turn.
 
-FABRIK: a chain of points brought to a target by passes up and down, in CGA; compiled.
-
-Each step moves one joint onto the sphere around its neighbour, where the line through both meets
-it (the kernel ``reach``, generated from that meet). A joint whose bones may bend only so far is
-then turned back in their common plane. Passes from the target to the base and back go on until the
-end lies at the target. Where limits or a stretched chain make them creep, damped least squares in
-the joints' swings go on from the best chain found (`IkSolver` does the same on skeletons).
+FABRIK: each step moves one joint onto the sphere around its neighbour, where the line through both
+meets it (the kernel ``reach``, generated from that meet). A joint whose bones may bend only so far
+is then turned back in their common plane. Passes from the target to the base and back go on until
+the end lies at the target. Where limits or a stretched chain make them creep, damped least squares
+in the joints' swings go on from the best chain found (`IkSolver` does the same on skeletons).
 Source: Aristidou and Lasenby, "FABRIK: a fast, iterative solver for the inverse kinematics problem"
 (2011), and "Inverse kinematics solutions using conformal geometric algebra" (2011).
 

@@ -2,18 +2,14 @@
 
 A foot in stance neither slides nor turns: over each stance its ball is held over one place of the
 ground and its heading is kept; what that takes is faded in and out over the swings between. The
-ball's height is shifted as a whole, so that it comes down and rises as it did. Where
-its heel or toes would sink the foot is turned about the ball; else it keeps its orientation. A
-foot that swings is lifted, between toe-off and landing, where heel, ball or toes would graze. Then
-the leg is bent to it, and the hips are lowered where a leg would not reach.
-
-Soles over the ground: how low they are, and heels and toes raised to it by turns of the foot.
+ball's height is shifted as a whole, so that it comes down and rises as it did. Where its heel or
+toes would sink the foot is turned about the ball; else it keeps its orientation. A foot that swings
+is lifted, between toe-off and landing, where heel, ball or toes would graze. Then the leg is bent
+to it, and the hips are lowered where a leg would not reach.
 
 Where a foot's heel and toes are is known from the rest pose, in which soles lie on z = 0: the heel
-behind the ankle and the tip before the ball by shares of the way between the two. Boots are wide as
-well: their edges are known where a mesh was measured.
-
-Legs whose soles are measured on a mesh: boots are longer and wider than feet.
+behind the ankle and the tip before the ball by shares of the way between the two. Boots are longer
+and wider: their edges are known where a mesh was measured.
 """
 
 from __future__ import annotations

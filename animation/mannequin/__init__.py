@@ -15,9 +15,6 @@ from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import checked_positive
 from motorcade.ga.files import off_record
 
-__all__ = ["mannequin"]
-
-
 REFERENCE_HEIGHT_M = 1.75
 
 

@@ -8,8 +8,6 @@ A tracker that closes a loop or sees its marker again moves a plane, a marker or
 at once; a character that jumped along would give it away. The anchor shows the old place and lets
 the difference die away along the screw between the two, whatever the frame rate.
 
-Which clips stand, and how high: what an author left floating or sunk is put on the ground.
-
 A clip as it is read stays as its author made it, soles that hang over the ground or are below it
 included. Where it is placed on something real, one constant height puts it on its soles.
 """

@@ -1,12 +1,8 @@
 """Walks: a character that follows a path on the ground at its clip's own speed, feet planted.
 
-It starts from standing and comes to stand at the path's end: the walk is left for standing, and
-standing for the walk, by inertia (`blend.Inertialized`) while the way slows down and speeds up.
-
-Cycles for walks: a clip on the spot, and how fast the ground should go under it.
-
-It speeds up and slows down smoothly, its cycle in step with its way, so that standing feet go back
-as fast as the body goes on. It starts and stops where one foot stands under the body while the
+It starts from standing and comes to stand at the path's end, by inertia (`blend.Inertialized`)
+while the way slows down and speeds up, its cycle in step with its way, so that standing feet go
+back as fast as the body goes on. It starts and stops where one foot stands under the body while the
 other passes: what passes is set down beside. So that a way of any length ends in that phase,
 strides are made a little shorter or longer, by half a step over the whole way at most.
 """

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterable
 from typing import Any, Literal, overload
 
 from motorcade.fusion.smoothing.auto import auto
-from motorcade.fusion.smoothing.batch import robust_map, spline
+from motorcade.fusion.smoothing.batch.robust_map import robust_map
+from motorcade.fusion.smoothing.batch.spline import spline
 from motorcade.fusion.smoothing.causal import (
     constant_acceleration,
     constant_velocity,

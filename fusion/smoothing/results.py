@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from motorcade.fusion.metrics import NotObservableError, jitter_above
 from motorcade.fusion.smoothing.auto import SmootherChoice, smoothed_automatically
-from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.batch.robust_map import estimate_path
 from motorcade.fusion.smoothing.causal import (
     ConstantAccelerationFilter,
     ConstantVelocityFilter,

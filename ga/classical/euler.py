@@ -3,12 +3,7 @@
 Angles in radians, ``(*, 3)``, in the order of their sequence: three lower-case letters, intrinsic
 unless ``extrinsic`` says that the axes stay fixed; `motorcade.ga.versors.euler_angles` converts
 them. They are numbers on a line here, never wrapped by themselves: 190° and -170° are one rotation,
-but not one path.
-
-Branches of Euler angles: of all triples that are one rotation, those that lie near others.
-
-Angles in radians, ``(*, 3)``, intrinsic, in the order of their sequence; see
-`motorcade.ga.versors.euler_angles` for how they are converted.
+but not one path. Of all triples that are one rotation, branches are those that lie near others.
 """
 
 from __future__ import annotations

@@ -1,13 +1,8 @@
-"""How a tape comes about: `trace` reads it from CasADi's symbols, `recorder` has symbols of ours.
+"""How a tape comes about: code that runs over scalars is written down operation by operation.
 
-Code that runs over either kind is written down operation by operation.
-
-Tracing: runs a definition on CasADi scalars and reads the instructions back as a tape.
-
-Symbols that write themselves down: scalars whose operations become nodes of a tape at once.
-
-They are scalars as the algebra takes them, beside numbers, CasADi's symbols and tensors; nothing
-but this package is needed to record a script. What depends on the value of one cannot be asked.
+`trace` runs a definition on CasADi scalars and reads the instructions back. The symbols of
+`recorder` write themselves down: they are scalars as the algebra takes them, and nothing but this
+package is needed to record a script. What depends on the value of one cannot be asked.
 """
 
 from __future__ import annotations

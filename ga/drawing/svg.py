@@ -1,11 +1,7 @@
 """Writes an image as SVG that needs nothing else, on light paper or on dark as the reader has it.
 
-What is written is what ``turning.js`` writes in the browser, number by number.
-
-Images that turn: the SVG with its marks beside it, and the script that draws them anew.
-
-Nothing is asked of anywhere else. Where scripts do not run, the SVG stands as it is.
-
+What is written is what ``turning.js`` writes in the browser, number by number. An image that turns
+is the SVG with its marks and that script beside it; where scripts do not run it stands as it is.
 Colours of objects are chosen to be told apart on light and on dark paper; black and white are the
 ink, and a grey.
 """

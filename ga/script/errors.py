@@ -1,12 +1,9 @@
 """ScriptError: what is wrong with a script, and where; ScriptWarning: what it says in vain.
 
 Lines and columns count from 1, columns in characters. The message shows the line with a caret
-under the column, and a hint where there is something to do.
-
-Files of macros that a script imports: where they may lie, and how many there may be.
-
-A file is named below the script's own folder, by plain names: no path leads out of it. Each file is
-read once, however often it is named.
+under the column, and a hint where there is something to do. A file of macros that a script imports
+is named below the script's own folder, by plain names: no path leads out of it. Each file is read
+once, however often it is named.
 """
 
 from __future__ import annotations

@@ -1,6 +1,4 @@
-"""Runs a script: statement by statement, each expression on a stack of its own.
-
-How much an evaluation may cost: steps, and terms of all its products and sums.
+"""Runs a script: statement by statement, each expression on a stack of its own, within a budget.
 
 What a step costs is estimated from the blades of its operands, before it is done.
 """

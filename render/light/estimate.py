@@ -50,7 +50,7 @@ def harmonics(directions: ArrayLike, band: int) -> FloatArray:
     Raises:
         ValueError: a band out of range, or directions whose length is not 1 within 1e-6.
 
-    >>> from motorcade.render.light import harmonics
+    >>> from motorcade.render.light.estimate import harmonics
     >>> harmonics([0.0, 0.0, 1.0], 1).round(3)  # 1, y, z, x
     array([0.282, 0.   , 0.489, 0.   ])
     """
@@ -98,7 +98,7 @@ def rotate_harmonics(coefficients: ArrayLike, rotor: Rotor) -> FloatArray:
 
     >>> import numpy as np
     >>> from motorcade.ga import Rotor
-    >>> from motorcade.render.light import rotate_harmonics
+    >>> from motorcade.render.light.estimate import rotate_harmonics
     >>> upward = [0.0, 0.0, 1.0, 0.0]
     >>> about_y = Rotor.from_rotation_vector([0.0, np.pi / 2, 0.0])  # takes z to x
     >>> rotate_harmonics(upward, about_y).round(6) + 0.0

@@ -206,7 +206,7 @@ def above_ground(lighting: Lighting, place_m: FloatArray, up: FloatArray) -> Lig
 
     >>> import numpy as np
     >>> from motorcade.render import Lighting, Sun
-    >>> from motorcade.render.light import above_ground, light_on
+    >>> from motorcade.render.light.lamps import above_ground, light_on
     >>> noon = Lighting((0.5, 0.5, 0.5), Sun((0, 0, -1.0), np.pi), (), (0, 0, 0), 1.0)
     >>> made = above_ground(noon, np.zeros(3), np.array([0, 0, 1.0]))
     >>> [light_on(made, np.zeros(3), np.array([0, 0, z]))[1][0].round(3) for z in (1.0, -1.0)]

@@ -24,7 +24,8 @@ from motorcade.replays.cli.arguments import (
 )
 
 if TYPE_CHECKING:
-    from motorcade.fusion.metrics import Delta, Evaluation, Matched, Relation
+    from motorcade.fusion.metrics import Delta, Matched, Relation
+    from motorcade.fusion.metrics.evaluation import Evaluation
     from motorcade.ga import Trajectory
     from motorcade.replays.comparison.evaluator import RecordedMotion
 
@@ -133,7 +134,8 @@ def _motions(
 
 
 def _report(out: Path) -> None:
-    from motorcade.replays.comparison.report import Results, write_report
+    from motorcade.replays.comparison.report.page import write_report
+    from motorcade.replays.comparison.report.results import Results
 
     print(f"report: {write_report(Results.read(out), out)}; tables beside it")
 
@@ -426,7 +428,7 @@ def _delta(arguments: argparse.Namespace) -> Delta:
 
 
 def _evaluated(matched: Matched, delta: Delta, arguments: argparse.Namespace) -> Evaluation:
-    from motorcade.fusion.metrics import evaluate_matched
+    from motorcade.fusion.metrics.evaluation import evaluate_matched
 
     return evaluate_matched(
         matched,

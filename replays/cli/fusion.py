@@ -21,7 +21,7 @@ from motorcade.replays.cli.arguments import (
 
 if TYPE_CHECKING:
     from motorcade.fusion.imu import ImuNoise, ImuStream
-    from motorcade.fusion.sync import Synchronised
+    from motorcade.fusion.sync.synchronise import Synchronised
     from motorcade.ga import Motor, Trajectory
     from motorcade.ga.arrays import IntArray
     from motorcade.replays.io.readers.manifest.sensors import ImuCalibration
@@ -259,7 +259,7 @@ def add_sync(commands: Commands) -> None:
 def sync(arguments: argparse.Namespace) -> None:
     """Read both, estimate, print a table."""
     from motorcade.fusion.imu import ADIS16448, ImuNoise
-    from motorcade.fusion.sync import synchronise
+    from motorcade.fusion.sync.synchronise import synchronise
     from motorcade.replays.io.readers.readings import read_imu_of
     from motorcade.replays.io.trajectories import read_trajectory
 

@@ -22,8 +22,9 @@ from motorcade.replays.cli.arguments import (
 )
 
 if TYPE_CHECKING:
-    from motorcade.fusion.imu import ImuFaults, ImuNoise, StreamNoise, VibrationSpectrum
-    from motorcade.fusion.orientation import Orientation, OrientationModel
+    from motorcade.fusion.imu import ImuFaults, ImuNoise, VibrationSpectrum
+    from motorcade.fusion.imu.allan import StreamNoise
+    from motorcade.fusion.orientation.estimate import Orientation, OrientationModel
     from motorcade.ga import Motor
 
 
@@ -231,7 +232,7 @@ def add_allan(commands: Commands) -> None:
 
 def allan(arguments: argparse.Namespace) -> None:
     """Read the stream, estimate, print; draw where asked to."""
-    from motorcade.fusion.imu import estimate_noise
+    from motorcade.fusion.imu.allan import estimate_noise
     from motorcade.replays.io.imu import kalibr_noise
     from motorcade.replays.io.readers.readings import read_imu_of
 
@@ -338,7 +339,7 @@ def add_orient(commands: Commands) -> None:
 
 def orient(arguments: argparse.Namespace) -> None:
     """Read, estimate, write, and say what is doubtful."""
-    from motorcade.fusion.orientation import estimate_orientation, orientation_doubts
+    from motorcade.fusion.orientation.estimate import estimate_orientation, orientation_doubts
     from motorcade.replays.io.readers.readings import read_imu_and_field
     from motorcade.replays.io.trajectories import write_deviations, write_orientation
 
@@ -365,7 +366,7 @@ def orient(arguments: argparse.Namespace) -> None:
 
 
 def _model(arguments: argparse.Namespace) -> OrientationModel:
-    from motorcade.fusion.orientation import OrientationModel
+    from motorcade.fusion.orientation.estimate import OrientationModel
     from motorcade.replays.io.imu import read_noise
 
     if arguments.noise is None:

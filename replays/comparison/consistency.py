@@ -36,7 +36,8 @@ from motorcade.fusion.filter.comparison import (
 from motorcade.fusion.imu import ContinuousPath, ImuFaults, ImuNoise, ImuStream, simulate_imu
 from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics.consistency import Consistency, normalised_squared
-from motorcade.fusion.motions import MOTIONS, Motion
+from motorcade.fusion.motions import Motion
+from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import nearest_name

@@ -1,23 +1,16 @@
-"""The true motion of a comparison, and the metrics of many paths against it.
+"""The true motion of a comparison, and the metrics of many paths at the same stamps against it.
 
-The metrics of many paths at the same stamps; the ground truth's side is computed once.
+Definitions are those of `motorcade.fusion.metrics`, to which the tests hold every figure. What the
+ground truth has to say (accelerations, stops, turns, its path at every lag that is tried) is
+computed once, so a path costs a fraction of a millisecond, where each metric alone takes a hundred.
 
-Definitions are those of `motorcade.fusion.metrics`, to which the tests hold every figure; what is
-shared is the ground truth at the stamps, its accelerations, stops and turns, and its path at all
-lags that are tried. A path costs a fraction of a millisecond so, where each metric alone takes a
-hundred.
+The lag is the peak of the correlation of what was measured with the ground truth read earlier,
+unknown where the ground truth does not move, the peak lies at the edge, or it is too flat to place.
+Between the lags of the table, 10 ms apart, the correlation is the quartic through five of them,
+which places the peak to some microseconds.
 
-Lags of many paths at once, from a table of the ground truth at every lag that is tried.
-
-The lag is that of `motorcade.fusion.metrics.lag`: the peak of the correlation of what was measured
-with the ground truth read earlier, unknown where the ground truth does not move, the peak lies at
-the edge, or it is too flat to place. Between the lags of the table, 10 ms apart, the correlation is
-the quartic through five of them, which places the peak to some microseconds.
-
-The true motion that smoothed paths are held against: a formula, or a recorded reference.
-
-A recorded motion is a true path from a file, such as a flight under motion capture; twelve seconds
-of it, or how long a plan takes, are sampled and degraded like any other motion.
+The true motion is a formula, or a path from a file, such as a flight under motion capture; twelve
+seconds of it, or how long a plan takes, are sampled and degraded like any other motion.
 """
 
 from __future__ import annotations
@@ -35,7 +28,7 @@ from numpy.typing import NDArray
 from motorcade.fusion.metrics import log_scales
 from motorcade.fusion.metrics.artifacts import stops, winding_count
 from motorcade.fusion.metrics.smooth_path import SmoothPath
-from motorcade.fusion.motions import MOTIONS
+from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import check_count, near_steps, segments

@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
     Degradation,
     DroppedFrames,
@@ -30,6 +29,7 @@ from motorcade.fusion.motions.degradations import (
     Quantised,
     StampJitter,
 )
+from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES, REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.ga import Motor, Similarity, Trajectory

@@ -1,24 +1,18 @@
-"""A plan from beginning to end: parameters, cells, figures.
+"""A plan from beginning to end: parameters, cells, figures; also on a recording of one's own.
 
 What is finished is kept in ``OUT/.finished``, a folder for each search and cell, named after all
-that it depends on: its fields and the code. A run that was stopped goes on where it was, one with
-more seeds or methods computes those, and one after a change of the code begins anew.
+that it depends on: its fields or poses, and the code. A run that was stopped goes on where it was,
+one with more seeds or methods computes those, and one after a change of the code begins anew.
 
-The comparison on a recording of one's own: an estimated trajectory and its ground truth.
+A recording's estimate is aligned once with its ground truth and cut into blocks of equal numbers of
+poses. Parameters are chosen on every second block. The blocks between are judged, each smoothed by
+itself; they take the place of seeds in the other tables. Errors of neighbouring blocks are
+correlated, so intervals are narrower here than they should be.
 
-The estimate is aligned once, as it comes, and cut into blocks of equal numbers of poses. Parameters
-are chosen on every second block by the same search as everywhere. The blocks between are judged,
-each smoothed by itself; they take the place of seeds in the other tables. Errors of neighbouring
-blocks are correlated, so intervals are narrower here than they should be.
-
-Searches and blocks are jobs too, named after the poses that they depend on.
-
-Ties that theory predicts, shown in figures: the largest difference over a path, and its bound.
-
-These ties hold for every path; all other ties depend on chance and on the data. Kalman filters on
-motors and similarities have no such ties in rotation: they propagate the errors of rotation,
-translation and scale together, so that each affects the others. Splines fitted to motors weigh
-rotations and translations in one sum of squares.
+Ties that theory predicts hold for every path and are shown in figures: the largest difference over
+a path, and its bound; all other ties depend on chance and on the data. Kalman filters on motors and
+similarities have no such ties in rotation: they propagate the errors of rotation, translation and
+scale together. Splines fitted to motors weigh rotations and translations in one sum of squares.
 """
 
 from __future__ import annotations

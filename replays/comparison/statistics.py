@@ -4,10 +4,9 @@ All intervals are percentile bootstrap intervals of 95 %, drawn from a fixed gen
 R. J. Tibshirani, An introduction to the bootstrap, 1993, ch. 13). On one motion seeds are drawn,
 and drawn whole: every method and representation saw the same poses, so differences are formed seed
 by seed before they are averaged. Over several motions, which stand for many more, motions are drawn
-first, and of each that was drawn its seeds: such an interval covers the choice of motions too
-(A. C. Davison, D. V. Hinkley, Bootstrap methods and their application, 1997, 3.8). With 6 seeds, or
-13 motions, such intervals hold some 87 or 91 times out of 100 rather than 95; and no allowance is
-made for how many of them are looked at.
+first, and of each that was drawn its seeds (A. C. Davison, D. V. Hinkley, Bootstrap methods and
+their application, 1997, 3.8). With 6 seeds, or 13 motions, such intervals hold some 87 or 91 times
+out of 100 rather than 95; and no allowance is made for how many of them are looked at.
 
 Differences are of costs, for which less is better: the metric itself, or its distance from the best
 value where that is not zero (lag counts by its size, ratios by their distance from 1). A verdict is
@@ -17,12 +16,10 @@ value where that is not zero (lag counts by its size, ratios by their distance f
   cost, or the metric's floor in `FLOORS`;
 - ``better`` or ``worse`` than the same method on motors, else.
 
-Rankings: methods and representations by how much of the raw poses' error they leave.
-
-A score is the geometric mean over the motions and degradations of a scope of (metric / raw metric),
-seed by seed; ``score`` is the same of the mean of the four ratios, which is what parameters are
-tuned by. Each seed of a motion gives one score; motions and their seeds are drawn anew to tell how
-far scores and ranks can be trusted. Only what has a result in every cell of the scope is ranked.
+Rankings are by how much of the raw poses' error is left: a score is the geometric mean over the
+motions and degradations of a scope of (metric / raw metric), seed by seed; ``score`` is the same of
+the mean of the four ratios, which is what parameters are tuned by. Motions and their seeds are
+drawn anew to tell how far ranks can be trusted. Only what has a result in every cell is ranked.
 """
 
 from __future__ import annotations

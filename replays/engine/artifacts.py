@@ -37,8 +37,7 @@ import numpy as np
 
 from motorcade.ga.archives import read_arrays
 from motorcade.ga.files import EmptyFileError, off_record, open_bounded, read_bounded
-from motorcade.ga.locks import locked
-from motorcade.ga.unfinished import unfinished
+from motorcade.ga.unfinished import locked, unfinished
 
 log = logging.getLogger("motorcade.artifacts")
 

@@ -3,15 +3,12 @@
 A stage is a function. Each positional parameter is an edge from the stage (or source) of that name,
 and its annotation must be that stage's return annotation; `X | None` marks an optional edge, which
 carries None where the stage says that it is `Unavailable` on this machine. Keyword-only parameters
-are knobs with defaults. A choice (`first_of`) is an edge from the first of several stages that
-works; other stages may take one of these as an optional edge, None where another was chosen.
+are knobs with defaults: the annotation says what one may be, the stage's docstring what it means. A
+choice (`first_of`) is an edge from the first of several stages that works; other stages may take
+one of these as an optional edge, None where another was chosen.
 
 Outputs are frozen dataclasses, cached under a key made of the content of the inputs, the knobs, and
 the code (see `store`); a killed run resumes where it was.
-
-Knobs as text: what can be set, to what, and what it means; and `stage.knob=value` as read.
-
-A knob's annotation says what it may be, and its stage's docstring what it means.
 """
 
 from __future__ import annotations

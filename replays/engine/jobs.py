@@ -1,12 +1,9 @@
-"""Many jobs by one executor: what is done is kept, and never done again.
+"""Many jobs by one executor, this machine's processes or a Dask cluster: what is done is kept.
 
 A job's result lies in a folder of its own, as an artifact. A command that was stopped, by Ctrl-C or
 by a crash, goes on where it was; jobs that failed are tried again, and so are those that opened a
-file which has changed since.
-
-Many jobs, one after another, on this machine's processes, or on a Dask cluster.
-
-One job's failure never ends the others, not even where its process dies.
+file which has changed since. One job's failure never ends the others, not even where its process
+dies.
 """
 
 from __future__ import annotations

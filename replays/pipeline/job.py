@@ -40,19 +40,19 @@ from motorcade.replays.stages.camera.marker_poses import marker_poses
 from motorcade.replays.stages.camera.simulated_poses import simulated_poses
 from motorcade.replays.stages.camera.slam_poses import slam_poses
 from motorcade.replays.stages.camera.turning_poses import turning_poses
-from motorcade.replays.stages.characters.acted import check_scene
-from motorcade.replays.stages.characters.acting import (
-    MANNEQUIN,
-    character_named,
-    check_cast,
-    clip_named,
-)
 from motorcade.replays.stages.errors import errors
 from motorcade.replays.stages.inertial.convergence import convergence
 from motorcade.replays.stages.inertial.fused import fused
 from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.stages.integrity import integrity
 from motorcade.replays.stages.smoothed import smoothed
+from motorcade.replays.stages.view.acted import check_scene
+from motorcade.replays.stages.view.acting import (
+    MANNEQUIN,
+    character_named,
+    check_cast,
+    clip_named,
+)
 from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import SCENE_SAYS, placed
 from motorcade.tracking import TrackingError

@@ -40,12 +40,12 @@ from motorcade.replays.io.readers.manifest.section import setting_from
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.pipeline.job import pipeline_graph
-from motorcade.replays.pipeline.look.document import LookedAt, look_of
+from motorcade.replays.pipeline.look import LookedAt, look_of
 from motorcade.replays.pipeline.report.findings import Findings
 from motorcade.replays.pipeline.report.summary import headline
 from motorcade.replays.pipeline.results import trajectories
 from motorcade.replays.stages.camera.offered import as_found, camera_of
-from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.web.film import film_size, write_film
 from motorcade.replays.web.page import InnerFilm, inner_film, view_page
 from motorcade.tracking.cameras.camera import Camera

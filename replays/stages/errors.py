@@ -13,10 +13,10 @@ from motorcade.fusion.metrics import (
     accelerations,
     alignment_of,
     associate,
-    evaluate,
     jitter_above,
     rotation_rad,
 )
+from motorcade.fusion.metrics.evaluation import evaluate
 from motorcade.ga import Trajectory
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.stage_comparison import compared_by_held_out, compared_by_truth

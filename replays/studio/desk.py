@@ -38,11 +38,11 @@ from motorcade.replays.io.readers.manifest.cast import (
     read_cast,
 )
 from motorcade.replays.io.recording import FrameSequence
-from motorcade.replays.pipeline.look.document import shown_camera
-from motorcade.replays.pipeline.look.packing import packed, rows_of
-from motorcade.replays.stages.characters.acted import cast_as
-from motorcade.replays.stages.characters.acting import IDLE, character_named
+from motorcade.replays.pipeline.look import shown_camera
+from motorcade.replays.pipeline.packing import packed, rows_of
 from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
+from motorcade.replays.stages.view.acted import cast_as
+from motorcade.replays.stages.view.acting import IDLE, character_named
 from motorcade.replays.studio.filmed import Filmed, PlayedScene, open_filmed, spoken
 from motorcade.replays.studio.props import GROUND, Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView

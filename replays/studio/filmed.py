@@ -21,13 +21,13 @@ from motorcade.ga.files import off_record
 from motorcade.render.composite import is_grey
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.look.document import gltf_bytes
-from motorcade.replays.pipeline.look.packing import packed, scaled_rows
+from motorcade.replays.pipeline.look import gltf_bytes
+from motorcade.replays.pipeline.packing import packed, scaled_rows
 from motorcade.replays.pipeline.runs import read_origin, read_run
 from motorcade.replays.stages.camera.offered import as_found, camera_of
-from motorcade.replays.stages.characters.acted import Acted, acted
-from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acted import Acted, acted
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.anchored import Grounds
 from motorcade.replays.stages.view.ground import Ground
 from motorcade.replays.stages.view.overlay import extrapolated

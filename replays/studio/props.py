@@ -25,7 +25,7 @@ from motorcade.animation.ik import fitted_legs
 from motorcade.animation.retarget import legs_of
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.stages.characters.acting import MANNEQUIN, character_named, rigid_clip
+from motorcade.replays.stages.view.acting import MANNEQUIN, character_named, rigid_clip
 from motorcade.replays.studio.filmed import Filmed
 
 log = logging.getLogger("motorcade.studio")

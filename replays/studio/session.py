@@ -24,14 +24,14 @@ from motorcade.animation.authoring import (
     Scene,
     SceneEditor,
     Snapping,
-    Together,
     gesture_of,
 )
 from motorcade.animation.authoring.fields import anchor_json, layer_json, part_json
+from motorcade.animation.authoring.gestures import Together
 from motorcade.animation.authoring.pointing import DragPlane, OutOfReach, Ray
 from motorcade.ga import Similarity
-from motorcade.replays.pipeline.look.packing import packed, scaled_rows
-from motorcade.replays.stages.characters.acted import Acted
+from motorcade.replays.pipeline.packing import packed, scaled_rows
+from motorcade.replays.stages.view.acted import Acted
 from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
 from motorcade.replays.studio.filmed import Filmed, PlayedScene, spoken
 from motorcade.replays.studio.props import GROUND, Props, free_name, pace_at, room_m, thinned

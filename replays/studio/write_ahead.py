@@ -26,21 +26,19 @@ from pathlib import Path
 from typing import Any, Literal
 
 from motorcade.animation.authoring import (
-    AnchorsStand,
     Dragged,
     Edit,
     Gesture,
-    HistoryStep,
     Scene,
     SceneEditor,
-    Together,
     gesture_of,
     read_scene,
     scene_text,
 )
+from motorcade.animation.authoring.gestures import AnchorsStand, HistoryStep, Together
 from motorcade.ga import Similarity
 from motorcade.ga.files import is_there, read_bounded
-from motorcade.ga.locks import try_lock
+from motorcade.ga.unfinished import try_lock
 from motorcade.replays.io.files import write_bytes
 
 log = logging.getLogger("motorcade.studio")

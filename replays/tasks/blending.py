@@ -24,7 +24,6 @@ from motorcade.animation.authoring import (
 )
 from motorcade.animation.blend import (
     BlendMethod,
-    GroundedMotion,
     RootMotion,
     blend_motions,
     closed,
@@ -32,10 +31,11 @@ from motorcade.animation.blend import (
     grounded,
     in_step,
 )
-from motorcade.animation.blend.alignment import contacts
+from motorcade.animation.blend.alignment import GroundedMotion, contacts
 from motorcade.animation.formats import read_character, read_motion, write_gltf
 from motorcade.animation.ik import fitted_legs
-from motorcade.animation.retarget import facing_rad, legs_of, retarget
+from motorcade.animation.retarget import facing_rad, legs_of
+from motorcade.animation.retarget.transfer import retarget
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +244,7 @@ def write_blend(blend: Blend, path: Path, size: tuple[int, int] = (640, 640)) ->
         return
     if path.suffix != ".mp4":
         raise ValueError(f"--out {path}: expected a name ending in .glb or .mp4")
-    from motorcade.render.overlay import show_clip
+    from motorcade.render import show_clip
     from motorcade.render.video import write_video
 
     seconds = max(blend.clip.duration_s, 4.0) if blend.clip.looped else None

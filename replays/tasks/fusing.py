@@ -17,15 +17,13 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, Fused, LearntNoise, fuse, learn_noise
 from motorcade.fusion.filter.fuse import checked_lag
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
-from motorcade.fusion.measurements import (
-    Measurements,
-    PositionMeasurements,
-    RelativePoseMeasurements,
-)
+from motorcade.fusion.measurements.interface import Measurements
+from motorcade.fusion.measurements.poses import RelativePoseMeasurements
+from motorcade.fusion.measurements.positions import PositionMeasurements
 from motorcade.fusion.metrics.poses.alignment import Pairs, align_heading
 from motorcade.fusion.smoothing import choose
 from motorcade.fusion.smoothing.batch.inliers import first_sizes
-from motorcade.fusion.sync import synchronise
+from motorcade.fusion.sync.synchronise import synchronise
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
 from motorcade.ga.stamps import checked_span_ns

@@ -84,8 +84,7 @@ def _encode(path: Path, images: Iterable[ImageArray], rate: Fraction) -> int:
     import av
     from av.video.reformatter import VideoReformatter
 
-    from motorcade.render.original import ColourCoding
-    from motorcade.render.video import coded_frame, set_up_codec
+    from motorcade.render.video import ColourCoding, coded_frame, set_up_codec
 
     apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
     coding, form, clock, count = ColourCoding(), VideoReformatter(), Fraction(1, _TICKS), 0

@@ -28,8 +28,7 @@ import numpy as np
 from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live.app import MAX_FRAME_BYTES, live_app
-from motorcade.replays.live.figure import LiveFigure
-from motorcade.replays.live.session import LiveRecorder, LiveSession, height_on
+from motorcade.replays.live.session import LiveFigure, LiveRecorder, LiveSession, height_on
 from motorcade.replays.studio.access import Access
 from motorcade.replays.studio.serving import Listening, configured, opened
 from motorcade.tracking import Board, Camera

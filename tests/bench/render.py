@@ -24,7 +24,7 @@ from motorcade.animation.appearance import Appearance, Material, MaterialPart, T
 from motorcade.animation.skin import palette, skin
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.fast import FastRenderer
 from motorcade.render.backends.platform import Context, choose_platform, new_context
 from motorcade.render.backends.pyrender_backend import OffscreenRenderer
 from motorcade.render.backends.renderer import (

@@ -50,6 +50,7 @@ from motorcade.fusion.metrics import (
 )
 from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions.degradations import (
+    Blackouts,
     DroppedFrames,
     Latency,
     Outliers,
@@ -57,7 +58,6 @@ from motorcade.fusion.motions.degradations import (
     Quantised,
     StampJitter,
 )
-from motorcade.fusion.motions.degradations.kinds import Blackouts
 from motorcade.fusion.smoothing import (
     METHODS,
     ConstantVelocityFilter,

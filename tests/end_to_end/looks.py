@@ -29,7 +29,7 @@ from motorcade.animation import Character, read_character, skin
 from motorcade.animation.appearance import to_linear, to_srgb
 from motorcade.animation.skeleton import with_joint
 from motorcade.ga import Motor, Similarity
-from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.fast import FastRenderer
 from motorcade.render.scene import Layer, Lighting, Sun, Surface
 from motorcade.tracking.cameras.camera import Camera
 from tests.bench.data import data_folder

@@ -32,8 +32,9 @@ from motorcade.animation.vectors import unit
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import render_overlay
-from motorcade.render.light import ExposureMeter, Prints, ground_of_footage, lighting_without_depth
+from motorcade.render.light import ExposureMeter, Prints, lighting_without_depth
 from motorcade.render.light.ground import GroundMap
+from motorcade.render.light.monocular import ground_of_footage
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.boards import Checkerboard
 from motorcade.tracking.cameras.camera import Camera

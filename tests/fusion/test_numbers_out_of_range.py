@@ -22,13 +22,13 @@ from motorcade.fusion.imu import ImuFaults, ImuNoise
 from motorcade.fusion.metrics import angular_rate_lag_s, associate, jitter_above, position_lag_s
 from motorcade.fusion.motions import MOTIONS, handheld
 from motorcade.fusion.motions.degradations import (
+    Blackouts,
     DroppedFrames,
     Gaussian,
     Latency,
     Outliers,
     StampJitter,
 )
-from motorcade.fusion.motions.degradations.kinds import Blackouts
 from motorcade.fusion.motions.motion import even_stamps
 from motorcade.fusion.smoothing import METHODS, method_parameters
 from motorcade.ga import CumulativeBSpline, Motor

@@ -15,8 +15,7 @@ from pathlib import Path
 import pytest
 
 from motorcade.ga import unfinished as module
-from motorcade.ga.locks import locked
-from motorcade.ga.unfinished import remove_unfinished, unfinished
+from motorcade.ga.unfinished import locked, remove_unfinished, unfinished
 
 DEAD = 4_194_999
 """A number that no process has."""

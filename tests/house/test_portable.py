@@ -21,7 +21,7 @@ for name in ("O_DIRECTORY", "O_NOFOLLOW", "O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC",
     delattr(os, name)
 sys.platform = "win32"
 
-from motorcade.ga.locks import locked, try_lock
+from motorcade.ga.unfinished import locked, try_lock
 from motorcade.fusion import LiveSmoother
 from motorcade.replays.cli import main
 import motorcade.animation.formats.fbx, motorcade.animation.formats.gltf

@@ -20,7 +20,7 @@ from motorcade.render import (
     Surface,
     new_renderer,
 )
-from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.fast import FastRenderer
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")

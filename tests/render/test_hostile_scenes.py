@@ -8,7 +8,7 @@ import pytest
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap
 from motorcade.ga import Motor
 from motorcade.render import Layer, Lighting, Sun, Surface
-from motorcade.render.backends.fast.renderer import FastRenderer
+from motorcade.render.backends.fast import FastRenderer
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")

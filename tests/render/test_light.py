@@ -7,11 +7,12 @@ from motorcade.animation import Placement, mannequin, place_on_plane
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Lighting, Sun
-from motorcade.render.light import harmonics, sun_share
+from motorcade.render.light import sun_share
 from motorcade.render.light.estimate import (
     LightEstimate,
     ShadedPoints,
     estimate_light,
+    harmonics,
     shaded_points,
 )
 from motorcade.render.light.lamps import estimated_lighting

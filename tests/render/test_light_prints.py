@@ -10,10 +10,10 @@ from motorcade.render import Lighting
 from motorcade.render.light import (
     Prints,
     character_lighting,
-    light_on,
     lighting_without_depth,
     sunlight_direction,
 )
+from motorcade.render.light.lamps import light_on
 from motorcade.render.scene import ImageArray
 from motorcade.tracking.cameras.camera import Camera
 

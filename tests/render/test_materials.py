@@ -9,9 +9,9 @@ import pytest
 from motorcade.animation.appearance import Appearance, Material, MaterialPart, TextureMap, to_srgb
 from motorcade.ga import Motor, Rotor
 from motorcade.render import Layer, Lighting, OffscreenRenderer, Sun, Surface
-from motorcade.render.backends.fast.materials import Images, mirrored_table
-from motorcade.render.backends.fast.renderer import FastRenderer
-from motorcade.render.light import harmonics, rotate_harmonics
+from motorcade.render.backends.fast import FastRenderer
+from motorcade.render.backends.materials import Images, mirrored_table
+from motorcade.render.light.estimate import harmonics, rotate_harmonics
 from motorcade.tracking.cameras.camera import Camera
 
 pytestmark = pytest.mark.usefixtures("opengl")

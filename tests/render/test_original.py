@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 
 from motorcade.render import read_frames, write_video
-from motorcade.render.original import CopiedSound, _counted
-from motorcade.render.video import read_original
+from motorcade.render.video import CopiedSound, _counted, read_original
 
 CLOCK = Fraction(1, 600)  # a phone's
 TICKS = np.cumsum([0, 20, 20, 21, 40, 19, 20, 20, 60, 20, 20, 20])

@@ -8,8 +8,8 @@ from motorcade.tracking.targets.finding import (
     seen_board,
     seen_markers,
 )
+from motorcade.tracking.targets.grids import corners_in_view
 from motorcade.tracking.targets.layouts import SeenMarkers, regapped
-from motorcade.tracking.targets.placing import corners_in_view
 
 __all__ = [
     "FoundTarget",

@@ -15,9 +15,6 @@ from motorcade.animation.formats.collada.scene import read_clips, read_scene
 from motorcade.animation.formats.limits import MAX_TEXT_BYTES, expected, read_bounded
 from motorcade.animation.formats.rig.values import Rig
 
-__all__ = ["read_collada"]
-
-
 AXES = {
     "X_UP": ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
     "Y_UP": ((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),

@@ -1,13 +1,10 @@
-"""Nodes of a Collada scene, each a stack of transforms that channels may move.
+"""Nodes of a Collada scene, each a stack of transforms; the channels that move them, as one clip.
 
 A node's matrix is the product of its `matrix`, `translate`, `rotate` and `scale` elements in the
-order in which they stand. `lookat` and `skew` are refused.
-
-Channels of a Collada document as one clip.
-
-A channel moves one number of a transform (`sid.X`, `sid(3)(0)`) or all of them (`sid`). Numbers
-follow lines, steps or Bézier curves of time and value. Nodes whose matrices have keys are taken
-apart at these keys, and turned and moved evenly between them: blends of matrices would shear.
+order in which they stand. `lookat` and `skew` are refused. A channel moves one number of a
+transform (`sid.X`, `sid(3)(0)`) or all of them (`sid`). Numbers follow lines, steps or Bézier
+curves of time and value. Nodes whose matrices have keys are taken apart at these keys, and turned
+and moved evenly between them: blends of matrices would shear.
 """
 
 from __future__ import annotations

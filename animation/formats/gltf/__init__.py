@@ -30,12 +30,6 @@ from motorcade.animation.formats.gltf.document import (
     table,
 )
 from motorcade.animation.formats.gltf.materials import GltfMaterials, read_humanoid
-from motorcade.animation.formats.gltf.write import (
-    CameraPath,
-    CharacterOnPath,
-    write_cast_gltf,
-    write_gltf,
-)
 from motorcade.animation.formats.images import colors_at_vertices
 from motorcade.animation.formats.limits import (
     MAX_MORPHS,
@@ -314,9 +308,6 @@ class Meshes:
         if np.any((all_numbers >= joints) & used) or np.any(all_numbers < 0):
             raise expected(f"'{name}'.JOINTS", f"numbers below {joints}", all_numbers.max())
         return np.where(used, all_numbers, 0), all_weights
-
-
-__all__ = ["CameraPath", "CharacterOnPath", "read_gltf", "write_cast_gltf", "write_gltf"]
 
 
 KEEPS_UNITS = "Open Asset Import Library"

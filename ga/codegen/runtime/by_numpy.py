@@ -1,11 +1,9 @@
 """A program as a NumPy function: what runs until there is compiled C, and where there is none.
 
 Long batches are computed in tiles, whose intermediate values stay in the cache. Arguments are
-checked as the compiled way checks them, and results have the same shapes.
-
-The code of a tape for the run-time compiler: a C function over blocks of rows, a NumPy function.
-
-Neither has a name of the user's in it: components of inputs are x0, x1, …, in their order.
+checked as the compiled way checks them, and results have the same shapes. Neither code, the C
+function over blocks of rows nor NumPy's, has a name of the user's in it: components of inputs are
+x0, x1, …, in their order.
 """
 
 from __future__ import annotations

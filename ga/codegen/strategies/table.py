@@ -19,7 +19,7 @@ from motorcade.ga.algebra.basis import grade_of
 from motorcade.ga.algebra.products import PRODUCTS, Masks
 from motorcade.ga.codegen.precision import Precision
 from motorcade.ga.codegen.programs import Program
-from motorcade.ga.codegen.strategies.calls import SIGNS, CallWriter, files
+from motorcade.ga.codegen.strategies.product import SIGNS, CallWriter, files
 from motorcade.ga.codegen.strategies.record import Step
 from motorcade.ga.codegen.targets.shared.c_family import indented
 from motorcade.ga.script import Script

@@ -18,7 +18,7 @@ from motorcade.ga.codegen.targets import (
     c,
     c_batch,
     casadi,
-    cpp_function,
+    cpp,
     glsl,
     javascript,
     julia,
@@ -123,8 +123,6 @@ def _latex_fault(text: str) -> str:
     return f"{opened[-1]} is left open" if opened else ""
 
 
-__all__ = ["TARGETS", "Write"]
-
 Write = Callable[[Program, Precision | None], dict[str, str]]
 
 
@@ -146,7 +144,7 @@ _WRITERS: dict[str, Write] = {
     "glsl": glsl.write,
     "casadi": casadi.write,
     "torch": torch.write,
-    "cpp": cpp_function.write,
+    "cpp": cpp.write,
     "rust": rust.write,
     "javascript": javascript.write,
     "wgsl": wgsl.write,

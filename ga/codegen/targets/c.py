@@ -18,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from motorcade.ga.codegen.library_kernels.kernel import Kernel
-from motorcade.ga.codegen.passes.rows import with_unlike_rows
+from motorcade.ga.codegen.passes.rebuild import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, Precision
 from motorcade.ga.codegen.programs import Program
 from motorcade.ga.codegen.targets.c_elementary import FUNCTION_NAMES, PREFIX, functions_called

@@ -1,20 +1,15 @@
 """Algebras as files: basis vectors, null pairs, names of other vectors, macros in CLUScript.
 
 Each folder here holds one: ``definition.toml`` and, where it has macros, ``macros.clu``. Files of
-users' own look the same; `read_definition` reads them.
+users' own look the same; `read_definition` reads them. A definition has the tables ``squares`` (1,
+-1 or 0 by basis vector, in the order of the basis) and may have ``null_pairs`` (pairs of vectors of
+square 0 whose inner product is -1), ``named`` (sums of basis vectors by a name of their own),
+``names`` (of the algebra) and ``macros`` (the name of a file below the definition's folder).
 
-Definitions of algebras: read from TOML, with macros from files of CLUScript beside them.
-
-A definition has the tables ``squares`` (1, -1 or 0 by basis vector, in the order of the basis) and
-may have ``null_pairs`` (pairs of vectors of square 0 whose inner product is -1), ``named`` (sums of
-basis vectors by a name of their own), ``names`` (of the algebra) and ``macros`` (the name of a file
-below the definition's folder).
-
-What a call means: a function, a macro of the script, or one of its algebra's.
-
-Functions of Gaalop's come first, in any case of letters, as no macro of theirs name is ever called
-there. A script's macros come before its algebra's and before the other functions, wherever in the
-script they stand, but for calls inside the macro itself and inside the algebra's own.
+A call means a function, a macro of the script, or one of its algebra's. Functions of Gaalop's come
+first, in any case of letters, as no macro of theirs name is ever called there. A script's macros
+come before its algebra's and before the other functions, wherever in the script they stand, but for
+calls inside the macro itself and inside the algebra's own.
 """
 
 from __future__ import annotations
@@ -34,9 +29,6 @@ from motorcade.ga.script.errors import MAX_IMPORTED_BYTES, path_below, text_of
 from motorcade.ga.script.functions import ANY_CASE, FUNCTIONS, Function
 from motorcade.ga.script.parser import parse
 from motorcade.ga.script.syntax import Call, Macro, Screen, Script
-
-__all__ = ["AlgebraDefinition", "definition_of", "definitions", "read_definition"]
-
 
 MAX_DEFINITION_BYTES = 100_000
 MAX_NAME = 64

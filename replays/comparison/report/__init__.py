@@ -3,10 +3,3 @@
 Every figure and every sentence is computed from ``results.json`` and ``groups.csv``; the paths that
 are drawn are smoothed again, with the parameters that were found, on the first test seed.
 """
-
-from __future__ import annotations
-
-from motorcade.replays.comparison.report.page import write_report
-from motorcade.replays.comparison.report.results import Results
-
-__all__ = ["Results", "write_report"]

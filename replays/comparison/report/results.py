@@ -62,7 +62,7 @@ class Results:
         document: all of ``results.json``.
         figures: ``groups.csv`` by (motion, degradation, method, representation, metric).
 
-    >>> from motorcade.replays.comparison.report import Results
+    >>> from motorcade.replays.comparison.report.results import Results
     >>> plan = {"motions": ["handheld", "screw"], "degradations": ["gaussian"]}
     >>> results = Results({"plan": plan}, figures={})  # `read` fills both from a folder
     >>> results.places("motion:screw"), results.drawn_from

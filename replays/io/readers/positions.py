@@ -26,7 +26,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.stream import ImuStream
-from motorcade.fusion.measurements import GeodeticOrigin
+from motorcade.fusion.measurements.positions import GeodeticOrigin
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line

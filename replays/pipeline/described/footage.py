@@ -3,19 +3,14 @@
 Shots are found before anything is calibrated; the camera by a target in view, or by how wide it
 sees.
 
-How a GoPro's camera sits on the IMU of its telemetry, and whether the images agree.
-
-Telemetry is named by its axes: "up/down, right/left, forward/back" are stored as z, x, y, on
-cameras since HERO8 as ORIN says, and `readers.gopro` turns both to x, y, z. The lens looks along
--y, the images' right is -x, their down is -z. (Sources: gpmf-parser's README for the order; the
-signs from a HERO5's own footage, so a clip is asked whether it agrees.) The lens is taken to be
-where the IMU is: they are some 3 cm apart, and no maker says how.
-
-The gyroscope tells the focal length, too, where the camera pans: a lens twice as long sees things
-move twice as far.
-
-The check: features of neighbouring frames turn as the gyroscope says. Of all 24 ways in which two
-right-handed frames can be laid on each other, none may fit clearly better than the stated one.
+How a GoPro's camera sits on the IMU of its telemetry: that is named by its axes: "up/down,
+right/left, forward/back" are stored as z, x, y, on cameras since HERO8 as ORIN says, and
+`readers.gopro` turns both to x, y, z. The lens looks along -y, the images' right is -x, their down
+is -z. (Sources: gpmf-parser's README for the order; the signs from a HERO5's own footage.) The lens
+is taken to be where the IMU is: they are some 3 cm apart, and no maker says how. Whether a clip
+agrees is checked: features of neighbouring frames turn as the gyroscope says. Of all 24 ways in
+which two right-handed frames can be laid on each other, none may fit clearly better than the stated
+one. The gyroscope tells the focal length, too, where the camera pans.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
-"""What was found out about a recording, and the images that tell it.
+"""What was found out about a recording: the images that tell it, and the lens as a file states it.
 
-The lens as a file states it: a phone's focal length in 35 mm terms, a GoPro's field of view.
-
-Such figures are rounded, and video shows less than a still does: stabilisation and formats cut the
-image. So they serve where images tell nothing, and as a check of what images tell.
+A phone states its focal length in 35 mm terms, a GoPro its field of view. Such figures are rounded,
+and video shows less than a still does: stabilisation and formats cut the image. So they serve where
+images tell nothing, and as a check of what images tell.
 
 Sources: EXIF 2.3, tag 41989, and CIPA DCG-001 (equal diagonals: 43.27 mm); Apple's QuickTime key
 ``com.apple.quicktime.camera.focal_length.35mm_equivalent``; `readers.gopro` for a GoPro's ZFOV.

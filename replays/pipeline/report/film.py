@@ -1,12 +1,9 @@
 """What the film shows: in how many frames the figure is in view, how large, and on what it stands.
 
-That is what was counted on the layers that were drawn, after what hides the figure.
-
-What there is to stand on, each outlined in a frame, by the numbers that `--floor` takes.
-
-Before and after: footage beside what was drawn into it, and the measured path beside the smooth.
-
-Both are of one moment of the run that shows the difference best.
+That is what was counted on the layers that were drawn, after what hides the figure. What there is
+to stand on is outlined in a frame, by the numbers that `--floor` takes. Before and after (footage
+beside what was drawn into it, the measured path beside the smooth) are of one moment of the run
+that shows the difference best.
 """
 
 from __future__ import annotations

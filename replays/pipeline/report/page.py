@@ -26,8 +26,8 @@ from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.views import ZoomedFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.look.document import LookedAt, look_of
-from motorcade.replays.pipeline.look.packing import packed
+from motorcade.replays.pipeline.look import LookedAt, look_of
+from motorcade.replays.pipeline.packing import packed
 from motorcade.replays.pipeline.report.film import (
     FilmView,
     Stills,

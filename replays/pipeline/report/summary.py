@@ -1,11 +1,7 @@
-"""What the report says, in figures and in words.
-
-`report.json` and its short form for a terminal; keys carry units.
+"""What the report says, in figures (`report.json`, whose keys carry units) and in words.
 
 The same recording, knobs and code give the same bytes: what a machine or an hour adds, such as how
 long a stage took, stands in the run log instead.
-
-A report in words: what was found, whether it can be relied on, how good it is, what to do.
 """
 
 from __future__ import annotations

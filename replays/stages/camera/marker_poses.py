@@ -32,17 +32,23 @@ from motorcade.tracking.images import print_noise_px
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.families import border_share
-from motorcade.tracking.markers.mapping import MappedRecording, map_markers, track_rig
-from motorcade.tracking.markers.mapping.estimate import moving_markers, without
+from motorcade.tracking.markers.mapping.estimate import (
+    MappedRecording,
+    map_markers,
+    moving_markers,
+    track_rig,
+    without,
+)
 from motorcade.tracking.markers.marker_map import MarkerMap
-from motorcade.tracking.markers.photometric import (
+from motorcade.tracking.markers.photometric.refine import (
     PhotometricUnavailable,
     RefinedFrame,
     joined_frames,
     refine_frame,
 )
 from motorcade.tracking.markers.refinding import refind_markers
-from motorcade.tracking.markers.scenes import MarkerScene, map_scene
+from motorcade.tracking.markers.scenes import MarkerScene
+from motorcade.tracking.markers.scenes.estimate import map_scene
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
 from motorcade.tracking.rolling import unrolled_stream
 from motorcade.tracking.targets.finding import doubled_ids

@@ -7,13 +7,9 @@ The deviation of the scale believes the poses' own covariances. A map that drift
 not quite the one it was made with, errs otherwise, and a scale far off may then come out as sure;
 so the IMU is asked again whether the path that it gave metres to is one that it felt.
 
-The cameras of an RGB-D recording, found where its images contradict those that are stated.
-
-Edges tell how depth lies on colour, so also the ratio of both focal lengths, but not which of the
-two is wrong. That is asked of the recording's first frames: they are tracked once more than needed,
-and both focal lengths adjusted with their poses.
-
-SLAM with the recorded IMU inside: metres and up while the map is made.
+The cameras of an RGB-D recording are found where its images contradict those that are stated. Edges
+tell how depth lies on colour, so the ratio of both focal lengths, but not which of the two is
+wrong: the first frames are tracked once more, and both focal lengths adjusted with their poses.
 """
 
 from __future__ import annotations
@@ -28,7 +24,8 @@ import numpy as np
 from motorcade.fusion.filter import FilterSettings, fuse
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.metrics import most_by_chance
-from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult, MetricMap, metric_map
+from motorcade.fusion.visual_inertial.online import InertialSlam, InertialSlamResult
+from motorcade.fusion.visual_inertial.sequence import MetricMap, metric_map
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.progress import track

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
-from motorcade.fusion.sync import synchronise
+from motorcade.fusion.sync.synchronise import synchronise
 from motorcade.ga import Motor
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.values.camera_poses import CameraPoses

@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from motorcade.animation.place import followed
+from motorcade.animation.place.anchors import followed
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray

@@ -34,25 +34,24 @@ from motorcade.render.lens import warped
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
-    ground_of_footage,
     lighting_of_footage,
     lighting_without_depth,
 )
-from motorcade.render.original import OriginalVideo
+from motorcade.render.light.monocular import ground_of_footage
 from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shots import StampedFrame
-from motorcade.render.video import read_original
+from motorcade.render.video import OriginalVideo, read_original
 from motorcade.replays.engine.artifacts import new_file
 from motorcade.replays.engine.stage import Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.recording import Frame, FrameSequence, Recording
 from motorcade.replays.stages.camera.offered import as_found
-from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo, PlacedCharacter
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.tracking.masks import refine_mask
 from motorcade.tracking.rolling import as_read

@@ -18,8 +18,11 @@ from motorcade.replays.io.readers.manifest.cast import NOBODY, Cast, read_cast
 from motorcade.replays.io.readers.manifest.section import FILE_KNOBS
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.stages.camera.offered import as_found
-from motorcade.replays.stages.characters.acted import MOST_POSES, Acted, acted, things_of
-from motorcade.replays.stages.characters.acting import (
+from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
+from motorcade.replays.stages.values.errors import Integrity
+from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
+from motorcade.replays.stages.view.acted import MOST_POSES, Acted, acted, things_of
+from motorcade.replays.stages.view.acting import (
     MANNEQUIN,
     character_named,
     clip_named,
@@ -28,9 +31,6 @@ from motorcade.replays.stages.characters.acting import (
     standing_clip,
     walked,
 )
-from motorcade.replays.stages.values.camera_poses import CameraPoses, MarkerPoses
-from motorcade.replays.stages.values.errors import Integrity
-from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
 from motorcade.replays.stages.view.anchored import GroundKind, Grounds
 from motorcade.replays.stages.view.ground import Ground
 

@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-__all__ = ["page_environment"]
-
-
 _TEMPLATES = Path(__file__).with_name("templates")
 
 

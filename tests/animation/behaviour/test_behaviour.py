@@ -15,11 +15,10 @@ from motorcade.animation.behaviour import (
     ClipLayer,
     Errand,
     Timeline,
-    foot_slides_m,
     gait_between,
     perform,
 )
-from motorcade.animation.behaviour.performance import FOLLOWS
+from motorcade.animation.behaviour.performance import FOLLOWS, foot_slides_m
 from motorcade.animation.ik import fitted_legs
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

@@ -14,12 +14,12 @@ from motorcade.animation.behaviour import (
     Errand,
     Performance,
     Timeline,
-    closest_m,
     crowd,
     gait_between,
     keep_apart,
     perform,
 )
+from motorcade.animation.behaviour.crowd import closest_m
 from motorcade.animation.skin import skin
 from motorcade.ga.arrays import FloatArray
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from motorcade.animation.place import Anchor, followed
-from motorcade.animation.place.anchors import plane_anchor
+from motorcade.animation.place import Anchor
+from motorcade.animation.place.anchors import followed, plane_anchor
 from motorcade.ga import Motor, Similarity
 
 

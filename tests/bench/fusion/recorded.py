@@ -17,8 +17,7 @@ from motorcade.fusion.filter import FilterSettings, Fused
 from motorcade.fusion.imu import ADIS16448, ImuNoise, ImuStream
 from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import normalised_squared
-from motorcade.fusion.motions.degradations import Degradation, InTurn, Outliers
-from motorcade.fusion.motions.degradations.kinds import Blackouts
+from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.imu import read_imu

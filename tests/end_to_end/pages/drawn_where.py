@@ -17,7 +17,7 @@ from motorcade.animation.skin import Skinner
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer
-from motorcade.replays.pipeline.look.document import gltf_bytes
+from motorcade.replays.pipeline.look import gltf_bytes
 from motorcade.tracking import Camera
 
 TRIANGLES, LEAST_PX2 = 6, 0.2

@@ -11,8 +11,8 @@ import numpy as np
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.render import Performer
-from motorcade.replays.pipeline.look.document import shown_camera, shown_character
-from motorcade.replays.pipeline.look.packing import packed, rows_at
+from motorcade.replays.pipeline.look import shown_camera, shown_character
+from motorcade.replays.pipeline.packing import packed, rows_at
 from motorcade.replays.web.film import write_film
 from motorcade.replays.web.page import inner_film, view_page
 from motorcade.tracking import Camera

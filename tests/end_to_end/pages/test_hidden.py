@@ -13,8 +13,8 @@ import pytest
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.render.light import Prints
-from motorcade.replays.pipeline.look.document import shown_hiding
-from motorcade.replays.pipeline.look.packing import rows_at
+from motorcade.replays.pipeline.look import shown_hiding
+from motorcade.replays.pipeline.packing import rows_at
 from tests.end_to_end.pages.drawn_where import Standing, as_written
 from tests.end_to_end.pages.made_looks import MadeLook
 from tests.end_to_end.pages.test_view import CAMERAS, READY, made

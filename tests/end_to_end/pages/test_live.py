@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.replays.live import LiveTracker
-from motorcade.replays.live.figure import LiveFigure
-from motorcade.replays.live.session import LiveSession, height_on
+from motorcade.replays.live.session import LiveFigure, LiveSession, height_on
 from motorcade.tracking import Camera
 from tests.bench.live import SIZE, LiveTab, fake_camera, running, write_y4m
 from tests.replays.live import drawn

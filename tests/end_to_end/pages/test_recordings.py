@@ -9,10 +9,10 @@ import pytest
 
 from motorcade.ga import Trajectory
 from motorcade.replays.cli.main import main
-from motorcade.replays.pipeline.look.document import LookedAt, look_of
-from motorcade.replays.pipeline.look.packing import drawn_name
+from motorcade.replays.pipeline.look import LookedAt, look_of
+from motorcade.replays.pipeline.packing import drawn_name
 from motorcade.replays.pipeline.runs import open_look
-from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.overlay import extrapolated
 from motorcade.replays.web.page import view_page
 from tests.end_to_end.pages.drawn_where import Standing, apart

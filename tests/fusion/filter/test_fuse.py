@@ -14,8 +14,7 @@ from motorcade.fusion.filter.settings import RestDetection
 from motorcade.fusion.imu import ImuStream
 from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.metrics import absolute_translation_m, associate, rotation_rad, tilt_rad
-from motorcade.fusion.motions.degradations import InTurn, Latency, Outliers
-from motorcade.fusion.motions.degradations.kinds import Blackouts
+from motorcade.fusion.motions.degradations import Blackouts, InTurn, Latency, Outliers
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.readers.layouts.euroc import read as read_euroc

@@ -13,8 +13,7 @@ from motorcade.fusion.health import Health, check_health
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.motions.degradations import Degradation, InTurn, Outliers
-from motorcade.fusion.motions.degradations.kinds import Blackouts
+from motorcade.fusion.motions.degradations import Blackouts, Degradation, InTurn, Outliers
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.imu import read_imu

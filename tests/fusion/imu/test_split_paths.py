@@ -5,7 +5,7 @@ import pytest
 
 from motorcade.fusion import ADIS16448, ContinuousPath, simulate_camera_poses, simulate_imu
 from motorcade.fusion.motions import MOTIONS
-from motorcade.fusion.motions.degradations.kinds import Blackouts
+from motorcade.fusion.motions.degradations import Blackouts
 from motorcade.fusion.smoothing import smooth
 from motorcade.ga import Trajectory
 

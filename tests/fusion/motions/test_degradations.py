@@ -13,6 +13,7 @@ from motorcade.fusion.metrics import log_scales, position_lag_s
 from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
+    Blackouts,
     DroppedFrames,
     Gaussian,
     InTurn,
@@ -23,7 +24,6 @@ from motorcade.fusion.motions.degradations import (
     StampJitter,
     wrong_planar_pose,
 )
-from motorcade.fusion.motions.degradations.kinds import Blackouts
 from motorcade.ga import Motor, Trajectory
 
 DEGREE = np.deg2rad(1.0)

@@ -14,7 +14,7 @@ import numpy as np
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
 from motorcade.replays.io.readers.manifest import cast
-from motorcade.replays.stages.characters.acting import check_cast, played
+from motorcade.replays.stages.view.acting import check_cast, played
 from tests.fuzz.hostile import write_hostile
 from tests.fuzz.kinds.manifests import toml
 from tests.fuzz.mutations import mutated, one_of

@@ -10,8 +10,8 @@ from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place.anchors import standing_height_m
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.replays.stages.characters.acting import IDLE_HZ, character_named, performers, walked
 from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acting import IDLE_HZ, character_named, performers, walked
 
 PATH_M = np.array([[0.0, 0.0], [1.5, 0.0]])
 LASTING_S = 8.0

@@ -15,7 +15,7 @@ from motorcade.ga import Motor
 from motorcade.replays.io.files import RecordingError
 from motorcade.replays.io.readers.manifest.cast import read_cast
 from motorcade.replays.io.readers.opening import open_recording
-from motorcade.replays.stages.characters.acting import actor_of, character_named, check_cast, played
+from motorcade.replays.stages.view.acting import actor_of, character_named, check_cast, played
 
 EVERY_KEY = Path(__file__).parents[3] / "docs" / "manifests" / "every_cast_key.toml"
 # A figure in T-pose, 1.6 m tall, that lifts its left arm; written by hand.

@@ -23,10 +23,9 @@ from motorcade.replays.comparison.plan import (
     Setting,
     run_cell,
 )
-from motorcade.replays.comparison.report import Results, write_report
 from motorcade.replays.comparison.report.matrix import METRICS, shown
-from motorcade.replays.comparison.report.page import findings
-from motorcade.replays.comparison.report.results import range_ends
+from motorcade.replays.comparison.report.page import findings, write_report
+from motorcade.replays.comparison.report.results import Results, range_ends
 from motorcade.replays.comparison.run import Trait, run_trait
 from motorcade.replays.comparison.statistics import Sample
 from motorcade.replays.comparison.tables import Outcome, write_tables

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.ga import locks as locks_module
+from motorcade.ga import unfinished as locks_module
 from motorcade.ga.files import MISSING, files_read, is_there, off_record, read_bounded
 from motorcade.replays.engine import jobs as jobs_module
 from motorcade.replays.engine import store as engine

@@ -15,8 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live import app as live_app
 from motorcade.replays.live.app import HEADER, MAX_FRAME_BYTES, MAX_SIDE, BrowserClock, read_frame
-from motorcade.replays.live.figure import LiveFigure
-from motorcade.replays.live.session import LiveSession
+from motorcade.replays.live.session import LiveFigure, LiveSession
 from motorcade.replays.studio.access import Access
 from tests.bench.live import running
 from tests.replays.live.drawn import BOARD, CAMERA, frames, image_of, world_T_camera

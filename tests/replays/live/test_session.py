@@ -9,8 +9,14 @@ import pytest
 from motorcade.animation.authoring import read_scene
 from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
-from motorcade.replays.live.figure import LARGEST, LiveFigure
-from motorcade.replays.live.session import LivePlan, LiveRecorder, LiveSession, track_without_page
+from motorcade.replays.live.session import (
+    LARGEST,
+    LiveFigure,
+    LivePlan,
+    LiveRecorder,
+    LiveSession,
+    track_without_page,
+)
 from motorcade.replays.stages.camera.board_poses import board_poses
 from tests.replays.live.drawn import BOARD, CAMERA, frames, world_T_camera
 

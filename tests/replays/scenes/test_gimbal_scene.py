@@ -8,7 +8,7 @@ import pytest
 from docs.making.gimbal_scene import SCENE, performer, rates_deg_s, spins
 from motorcade.animation.authoring import compare_interpolations, read_scene
 from motorcade.ga import Similarity
-from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.placed import placed
 from tests.replays.carried_marker import TIME_NS, recorded, still
 

@@ -18,7 +18,7 @@ from motorcade.animation import skin
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.pipeline.runs import Shown, write_run_gltf
-from motorcade.replays.stages.characters.acting import performers
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.placed import placed
 from tests.animation.formats.gltf_vertices import GltfVertices
 from tests.props import write_props

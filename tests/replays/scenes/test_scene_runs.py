@@ -14,8 +14,8 @@ from motorcade.animation.place import GroundPath
 from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
-from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.placed import placed
 from tests.props import write_props
 from tests.replays.carried_marker import (
@@ -229,7 +229,7 @@ def test_more_than_can_be_played_is_refused(
     monkeypatch.setattr("motorcade.replays.stages.view.placed.MOST_POSES", 300)
     with pytest.raises(ValueError, match=r"scene, 'box 1': expected at most 300 poses"):
         bound(scene(tmp_path, *crowd[:2]))
-    monkeypatch.setattr("motorcade.replays.stages.characters.acted.MOST_POSES", 5000)
+    monkeypatch.setattr("motorcade.replays.stages.view.acted.MOST_POSES", 5000)
     who = {"name": "who", "kind": "character", "file": "mannequin"}
     with pytest.raises(ValueError, match="scene, 'who': expected to be done earlier: 2 s are more"):
         bound(scene(tmp_path, who))

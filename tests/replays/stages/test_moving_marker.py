@@ -15,10 +15,10 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.render import Performer, render_performers
 from motorcade.replays.io.recording import LooseMarkers, Recording
 from motorcade.replays.stages.camera.marker_poses import _drawn, marker_poses
-from motorcade.replays.stages.characters.acting import character_named, clip_named
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.errors import Integrity
 from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acting import character_named, clip_named
 from motorcade.replays.stages.view.placed import placed
 from motorcade.tracking import Board, MarkerGrid, MarkerMap, SingleMarker
 from motorcade.tracking.markers.corner_stream import CornerStream

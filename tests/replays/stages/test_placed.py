@@ -13,16 +13,16 @@ from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.readers.frames.files import ImageFrames
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.characters.acting import (
+from motorcade.replays.stages.values.camera_poses import CameraPoses, PoseOrigin
+from motorcade.replays.stages.values.errors import Integrity
+from motorcade.replays.stages.values.paths import SmoothedPaths
+from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acting import (
     character_named,
     clip_named,
     performers,
     walked,
 )
-from motorcade.replays.stages.values.camera_poses import CameraPoses, PoseOrigin
-from motorcade.replays.stages.values.errors import Integrity
-from motorcade.replays.stages.values.paths import SmoothedPaths
-from motorcade.replays.stages.values.view import PlacedCharacter
 from motorcade.replays.stages.view.ground import upward
 from motorcade.replays.stages.view.overlay import overlay
 from motorcade.replays.stages.view.placed import placed

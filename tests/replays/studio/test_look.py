@@ -10,8 +10,8 @@ from motorcade.animation import Placement, mannequin
 from motorcade.fusion.metrics.poses.alignment import Alignment
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.render import Performer
-from motorcade.replays.pipeline.look.document import shown_character
-from motorcade.replays.pipeline.look.packing import back_home, packed, packed_smooth, rows_at
+from motorcade.replays.pipeline.look import shown_character
+from motorcade.replays.pipeline.packing import back_home, packed, packed_smooth, rows_at
 from motorcade.replays.pipeline.runs import write_view
 
 

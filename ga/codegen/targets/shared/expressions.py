@@ -2,11 +2,10 @@
 
 A node that is used once is written into the expression that uses it, while the line stays short;
 the others get a name. Terms are never regrouped, so every language computes the same roundings,
-but for products that a compiler fuses with sums, and rows of C and C++ (`passes.rows`).
+but for products that a compiler fuses with sums, and rows of C and C++ (`with_unlike_rows`).
 
-Choices of a tape as branches: what only one side of a choice needs is computed on that side.
-
-Code for many rows computes both sides, as SIMD code must; code for one row need not.
+What only one side of a choice needs is computed on that side, as a branch, in code for one row.
+Code for many rows computes both sides, as SIMD code must.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ from motorcade.tracking.boards import (
 )
 from motorcade.tracking.boards.names import kalibr_grid
 from motorcade.tracking.cameras.camera import Camera
-from motorcade.tracking.markers import FAMILIES
+from motorcade.tracking.markers.families import FAMILIES
 from motorcade.tracking.markers.marker_map import MarkerMap
 
 TOML_LIMIT = 2**16

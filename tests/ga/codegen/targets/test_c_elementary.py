@@ -9,7 +9,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.passes.rows import with_unlike_rows
+from motorcade.ga.codegen.passes.rebuild import with_unlike_rows
 from motorcade.ga.codegen.precision import DOUBLE, PRECISIONS, Precision
 from motorcade.ga.codegen.programs import compile_script
 from motorcade.ga.codegen.targets import c, c_batch

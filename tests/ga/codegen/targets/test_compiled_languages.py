@@ -11,7 +11,7 @@ import pytest
 
 from motorcade.ga.codegen.precision import DOUBLE, SINGLE, Precision
 from motorcade.ga.codegen.programs import Program, compile_script
-from motorcade.ga.codegen.targets import cpp_function, javascript, rust
+from motorcade.ga.codegen.targets import cpp, javascript, rust
 from motorcade.ga.script import parse
 from tests.ga.codegen.targets.conftest import scripts
 
@@ -87,7 +87,7 @@ def test_rust_agrees_with_evaluation(
 def test_cpp_agrees_with_evaluation(
     precision: Precision, bound: float, cases: Any, tmp_path: Path
 ) -> None:
-    made = laid_out(cases, cpp_function, precision, tmp_path)
+    made = laid_out(cases, cpp, precision, tmp_path)
     lines = [f'#include "{case.program.name}.hpp"' for case in made]
     lines += ["#include <cstdio>", "int main() {"]
     for case in made:
@@ -160,7 +160,7 @@ def test_rust_takes_any_outputs(plain: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("plain", list(PLAIN))
 @needs_cxx
 def test_cpp_takes_any_outputs(plain: str, tmp_path: Path) -> None:
-    (text,) = cpp_function.write(compile_script(parse(PLAIN[plain]), "scene"), SINGLE).values()
+    (text,) = cpp.write(compile_script(parse(PLAIN[plain]), "scene"), SINGLE).values()
     (tmp_path / "scene.hpp").write_text(text)
     (tmp_path / "main.cpp").write_text('#include "scene.hpp"\n#include "scene.hpp"\n')
     run(["g++", *WARNINGS, "-fsyntax-only", "main.cpp"], tmp_path)
@@ -170,7 +170,7 @@ def test_an_output_without_blades_alone_is_no_array() -> None:
     program = compile_script(parse("?zero = x - x;"), "gone")
     told: dict[str, Callable[..., dict[str, str]]] = {
         "pub fn gone(x: f64) -> ()": rust.write,
-        "inline std::tuple<> gone(double x)": cpp_function.write,
+        "inline std::tuple<> gone(double x)": cpp.write,
         "zero: [],": javascript.write,
     }
     for expected, write in told.items():

@@ -11,9 +11,9 @@ from motorcade.animation.authoring import scene_of, scene_text
 from motorcade.animation.behaviour import LookTarget
 from motorcade.ga import Motor
 from motorcade.replays.io.readers.manifest.cast import read_cast
-from motorcade.replays.stages.characters.acted import acted
-from motorcade.replays.stages.characters.acting import character_named, played
 from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acted import acted
+from motorcade.replays.stages.view.acting import character_named, played
 from motorcade.replays.studio.desk import first_scene
 from tests.props import box
 from tests.replays.studio.server.stage import filmed

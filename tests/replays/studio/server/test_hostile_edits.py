@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from motorcade.replays.pipeline.look.document import gltf_bytes
-from motorcade.replays.stages.characters.acting import mannequin
+from motorcade.replays.pipeline.look import gltf_bytes
+from motorcade.replays.stages.view.acting import mannequin
 from motorcade.replays.studio import desk as server_desk
 from tests.replays.studio.server.stage import Visitor, desk, filmed
 

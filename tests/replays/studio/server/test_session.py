@@ -10,7 +10,7 @@ from motorcade.animation import Clip
 from motorcade.ga import Rotor
 from motorcade.replays.cli import runs
 from motorcade.replays.cli.main import command_parser
-from motorcade.replays.stages.characters.acted import acted
+from motorcade.replays.stages.view.acted import acted
 from motorcade.replays.studio.desk import offered
 from motorcade.tracking import Camera
 from tests.replays.studio.server.stage import FRAMES, STRAIGHT, Visitor, desk, seen, stands

@@ -21,7 +21,7 @@ KINDS = {"f32": "<f4", "f64": "<f8", "u32": "<u4"}
 def packed(values: ArrayLike, kind: str = "f32") -> dict[str, Any]:
     """An array for `look.js`: "f32" for what is drawn, "f64" for poses and stamps, "u32".
 
-    >>> from motorcade.replays.pipeline.look.packing import packed
+    >>> from motorcade.replays.pipeline.packing import packed
     >>> packed([[1.0, 2.0]])
     {'f32': 'AACAPwAAAEA=', 'shape': [1, 2]}
     """

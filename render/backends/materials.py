@@ -1,10 +1,8 @@
 """Parts of a mesh with materials of their own, in the memory of the renderer.
 
-How much light rough surfaces mirror under even light, as a table for shaders.
-
 For facets spread as GGX says and hidden from each other as Smith says, the share of even light that
-is mirrored to the eye is `F0 scale + offset` for a mirror of F0 at normal incidence with Schlick's
-Fresnel (Karis, "Real Shading in Unreal Engine 4", 2013).
+rough surfaces mirror to the eye is `F0 scale + offset` for a mirror of F0 at normal incidence with
+Schlick's Fresnel, a table for shaders (Karis, "Real Shading in Unreal Engine 4", 2013).
 """
 
 from __future__ import annotations
@@ -25,7 +23,7 @@ from motorcade.animation.appearance import (
     to_linear,
     to_srgb,
 )
-from motorcade.render.backends.fast.programs import SRGB8_ALPHA8, Programs
+from motorcade.render.backends.programs import SRGB8_ALPHA8, Programs
 from motorcade.render.scene import Surface
 
 log = logging.getLogger("motorcade.render")

@@ -1,4 +1,4 @@
-"""What degrades poses, by noise, outliers, wrong planar candidates or rounding, and stamps.
+"""Degradations: what measuring does to true poses and stamps, in physical units and seeded.
 
 Rotations are perturbed in the moving frame, positions in the world; scales of similarities stay
 unless a size for them is given.
@@ -15,6 +15,19 @@ from numpy.typing import ArrayLike, NDArray
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
 from motorcade.ga.stamps import check_count
+
+__all__ = [
+    "Degradation",
+    "DroppedFrames",
+    "Gaussian",
+    "InTurn",
+    "Latency",
+    "Outliers",
+    "PlanarFlips",
+    "Quantised",
+    "StampJitter",
+    "wrong_planar_pose",
+]
 
 
 class Degradation(ABC):
@@ -43,7 +56,7 @@ class InTurn(Degradation):
         >>> import numpy as np
         >>> from motorcade.fusion.motions import screw
         >>> from motorcade.fusion.motions.degradations import Gaussian, InTurn
-        >>> from motorcade.fusion.motions.degradations.kinds import Blackouts
+        >>> from motorcade.fusion.motions.degradations import Blackouts
         >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
         >>> both = InTurn((Gaussian(0.01, 0.02), Blackouts(length_s=1.0, every_s=4.0)))
         >>> len(true), len(both.apply(true, rng))
@@ -443,7 +456,7 @@ class Blackouts(Degradation):
     Examples:
         >>> import numpy as np
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.motions.degradations.kinds import Blackouts
+        >>> from motorcade.fusion.motions.degradations import Blackouts
         >>> true, rng = screw().sampled(rate_hz=30.0, duration_s=10.0), np.random.default_rng(0)
         >>> dark = Blackouts(length_s=1.0, every_s=4.0)
         >>> dark.spans_s(10.0)

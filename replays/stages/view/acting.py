@@ -25,16 +25,18 @@ from motorcade.animation.behaviour import (
     Gaze,
     LookTarget,
     Performance,
-    closest_m,
-    foot_slides_m,
     gait_between,
     keep_apart,
     perform,
 )
+from motorcade.animation.behaviour.crowd import closest_m
+from motorcade.animation.behaviour.performance import foot_slides_m
 from motorcade.animation.formats import FormatError, read_motion
 from motorcade.animation.ik import fitted_legs
 from motorcade.animation.place import GroundPath, on_its_soles, on_the_spot, walk_along
-from motorcade.animation.retarget import body_of, figure_of, legs_of, retarget
+from motorcade.animation.retarget import body_of, legs_of
+from motorcade.animation.retarget.reference import figure_of
+from motorcade.animation.retarget.transfer import retarget
 from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray

@@ -1,9 +1,11 @@
-"""`calibrate_camera_imu`: where a camera sits on an IMU, their clocks, and the IMU's own faults.
+"""Camera and IMU calibrated together from a recording of a board, as Kalibr does it.
 
-Poses over a board, with what their errors have in common, and the IMU's samples go into one factor
-graph (`calibrate_by_graph`). It starts from `synchronise`, with a noise that covers what scales and
-axes leave unexplained. Once these are corrected, `synchronise` says how noisy the IMU is, and with
-that all is found again.
+Unlike `motorcade.fusion.sync`, which takes poses as they are, this uses what is known of a board's
+images: how sure each pose is, and how the camera's intrinsics move them all. Poses over a board,
+with what their errors have in common, and the IMU's samples go into one factor graph
+(`calibrate_by_graph`). It starts from `synchronise`, with a noise that covers what scales and axes
+leave unexplained. Once these are corrected, `synchronise` says how noisy the IMU is, and with that
+all is found again.
 
 Sources: P. Furgale, J. Rehder, R. Siegwart, Unified temporal and spatial calibration for
 multi-sensor systems, IROS 2013; J. Rehder et al., Extending kalibr, ICRA 2016.
@@ -30,6 +32,8 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.tracking.board_tracking.poses import BoardMeasurements
 from motorcade.tracking.cameras.camera import Camera
+
+__all__ = ["CameraImuCalibration", "calibrate_camera_imu"]
 from motorcade.tracking.measurements import PoseMeasurements
 
 # What is believed of the start: next to nothing, or the recording would be counted twice.
@@ -247,7 +251,7 @@ class Parameter:
         unobservable: where the motion does not tell it, what would; else empty.
 
     Examples:
-        >>> from motorcade.fusion.camera_imu.calibrate import Parameter
+        >>> from motorcade.fusion.camera_imu import Parameter
         >>> Parameter("offset_s", 0.0123, 2e-5, "").unobservable
         ''
     """

@@ -16,8 +16,8 @@ from motorcade.animation.skin import SKIN_KERNELS, SkinMethod, checked_method
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray, IntArray
-from motorcade.render.backends.fast.materials import DrawnPart, Images, appearance_of
-from motorcade.render.backends.fast.programs import NUMBERS, PAIRS, QUADS, BareFunctions, Programs
+from motorcade.render.backends.materials import DrawnPart, Images, appearance_of
+from motorcade.render.backends.programs import NUMBERS, PAIRS, QUADS, BareFunctions, Programs
 from motorcade.render.backends.renderer import check_vertices
 from motorcade.render.scene import Surface
 

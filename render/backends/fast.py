@@ -18,11 +18,11 @@ from motorcade.animation import Character, Placement
 from motorcade.animation.vectors import box_corners
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.fast.canvas import Canvas, draw_materials
-from motorcade.render.backends.fast.materials import Images, tell
-from motorcade.render.backends.fast.meshes import MeshParts, RenderMesh, SkinnedMesh, column_major
-from motorcade.render.backends.fast.programs import BareFunctions, Box, Programs, ShadowMap
+from motorcade.render.backends.canvas import Canvas, draw_materials
+from motorcade.render.backends.materials import Images, tell
+from motorcade.render.backends.meshes import MeshParts, RenderMesh, SkinnedMesh, column_major
 from motorcade.render.backends.platform import Context, RenderUnavailable
+from motorcade.render.backends.programs import BareFunctions, Box, Programs, ShadowMap
 from motorcade.render.backends.renderer import (
     OPENCV_T_OPENGL,
     Renderer,

@@ -1,13 +1,8 @@
 """The look of a run: all that a page shows of it but the images of its film.
 
-Plots and states for a page: errors, jitter, the filter's squares, and what tracking lost.
-
-Characters for a page: each as glTF, with the poses of its joints at every frame.
-
-What hides characters in a page's view through the camera: recorded depth, prints, the ground.
-
-The film hides a figure pixel by pixel. A page gets, for every frame, a smaller image of the depth
-of all that may be nearer than the figures, and nothing of what lies behind them.
+That is plots and states, characters as glTF with the poses of their joints at every frame, and what
+hides them. The film hides a figure pixel by pixel; a page gets, for every frame, a smaller image of
+the depth of all that may be nearer than the figures, and nothing of what lies behind them.
 """
 
 from __future__ import annotations
@@ -37,7 +32,7 @@ from motorcade.render.plots.style import thinned
 from motorcade.render.scene import DepthArray
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.pipeline.look.packing import (
+from motorcade.replays.pipeline.packing import (
     drawn_name,
     drawn_rows,
     packed,
@@ -49,9 +44,9 @@ from motorcade.replays.pipeline.look.packing import (
 )
 from motorcade.replays.pipeline.report.findings import Findings, map_unit, told_paths
 from motorcade.replays.stages.camera.offered import as_found
-from motorcade.replays.stages.characters.acting import performers
 from motorcade.replays.stages.values.camera_poses import CameraPoses
 from motorcade.replays.stages.values.view import PlacedCharacter
+from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.ground import prints_of
 from motorcade.replays.web.film import film_rate_hz
 from motorcade.tracking import Board, Camera, MarkerMap

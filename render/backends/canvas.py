@@ -12,9 +12,10 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.backends.fast.materials import DrawnPart, Images, tell
-from motorcade.render.backends.fast.meshes import MeshParts, draw_triangles
-from motorcade.render.backends.fast.programs import (
+from motorcade.render.backends.materials import DrawnPart, Images, tell
+from motorcade.render.backends.meshes import MeshParts, draw_triangles
+from motorcade.render.backends.platform import RenderUnavailable
+from motorcade.render.backends.programs import (
     FRAMEBUFFER_SRGB,
     SAMPLE_MASK,
     SAMPLES,
@@ -23,7 +24,6 @@ from motorcade.render.backends.fast.programs import (
     Box,
     Programs,
 )
-from motorcade.render.backends.platform import RenderUnavailable
 from motorcade.render.scene import Layer
 from motorcade.tracking.cameras.camera import Camera
 

@@ -1,10 +1,12 @@
-"""The forward pass in any error coordinates, over many runs of one experiment at once.
+"""The same filter with its error written in other coordinates, for `motorcade consistency`.
 
-Between measurements errors are propagated in the moving frame, as by the filter on motors, and
-changed to the coordinates and back at the ends: by the chain rule that is the linearisation of
-the motion in those coordinates. The gate is the filter's, but for one thing: after five
-measurements left out in a row the next one is believed and the prediction doubted, without looking
-back at where that would have been right.
+Many runs of one experiment go at once. Motion, noise and measurements are those of `fusion.filter`;
+what differs is how an error of the state is written as 15 numbers, so what a correction does and
+what the covariance means. Between measurements errors are propagated in the moving frame, as by the
+filter on motors, and changed to the coordinates and back at the ends: by the chain rule that is the
+linearisation of the motion in those coordinates. The gate is the filter's, but for one thing: after
+five measurements left out in a row the next one is believed and the prediction doubted, without
+looking back at where that would have been right.
 """
 
 from __future__ import annotations

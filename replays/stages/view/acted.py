@@ -12,22 +12,10 @@ from pathlib import Path
 import numpy as np
 
 from motorcade.animation import Character, Clip
-from motorcade.animation.authoring import (
-    JointKeyframe,
-    Scene,
-    SceneLayer,
-    ScenePart,
-    SceneWalk,
-    read_scene,
-)
-from motorcade.animation.behaviour import (
-    Actor,
-    Errand,
-    Timeline,
-    foot_slides_m,
-    gait_between,
-    perform,
-)
+from motorcade.animation.authoring import Scene, ScenePart, SceneWalk, read_scene
+from motorcade.animation.authoring.parts import JointKeyframe, SceneLayer
+from motorcade.animation.behaviour import Actor, Errand, Timeline, gait_between, perform
+from motorcade.animation.behaviour.performance import foot_slides_m
 from motorcade.animation.behaviour.sources import Layered
 from motorcade.animation.blend import Shifted
 from motorcade.animation.easing import FADE_S, smoothstep
@@ -37,7 +25,8 @@ from motorcade.animation.skeleton import Skeleton
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.replays.io.readers.manifest.cast import file_of
-from motorcade.replays.stages.characters.acting import (
+from motorcade.replays.stages.values.view import PartState
+from motorcade.replays.stages.view.acting import (
     IDLE,
     LONGEST_IDLE_S,
     character_named,
@@ -45,7 +34,6 @@ from motorcade.replays.stages.characters.acting import (
     rigid_clip,
     states_of,
 )
-from motorcade.replays.stages.values.view import PartState
 
 RATE_HZ = 60.0
 MOST_POSES = 2**24

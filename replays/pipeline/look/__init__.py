@@ -1,1 +1,0 @@
-"""What a page shows of a run: one JSON document, which `web/modules/look.js` reads."""

@@ -1,1 +1,0 @@
-"""Who stands in the footage and how they move: characters, casts, authored scenes."""
