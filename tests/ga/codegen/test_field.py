@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from motorcade.ga.codegen.passes import finite_field
-from motorcade.ga.codegen.passes.merge import PRIME, Element
+from motorcade.ga.codegen.passes.finite_field import PRIME, Element
 
 LARGEST = 1 << 29
 

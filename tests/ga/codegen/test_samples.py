@@ -7,7 +7,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from motorcade.ga.codegen.passes.merge import POINTS, nonnegative_nodes, sampled
+from motorcade.ga.codegen.passes.fingerprints import nonnegative_nodes
+from motorcade.ga.codegen.passes.merge import POINTS, sampled
 
 MakeNodes = Callable[..., Any]
 EPSILON = float(np.finfo(np.float64).eps)
