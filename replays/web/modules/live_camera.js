@@ -84,7 +84,7 @@ export class LiveCamera {
   }
 
   /**
-   * A frame as it is sent: see `replays/live/wire.py`.
+   * A frame as it is sent: see `replays/live/app.py`.
    *
    * @param {Shot} shot
    * @param {number} number
