@@ -32,9 +32,9 @@ _COLOURED = 4.0
 """Deviations by which innovations must be correlated to be called so."""
 _GLANCE_STEPS = (
     (np.log(4.0), ((1.0, 1.0), (-1.0, -1.0))),
-    (np.log(2.0), ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))),
+    *((np.log(n), ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))) for n in (2.0, 2.0**0.5)),
 )
-"""Steps of both densities, then of each: nothing is told more finely by half a minute."""
+"""Steps of both densities, then of each; the last, of two in a variance, only refine others."""
 
 
 def fit_noise(
@@ -116,7 +116,7 @@ def fit_noise(
     for step, ways in _GLANCE_STEPS:
         for way in step * np.array(ways):
             allowed_loss = _TOLD * np.sign(way.sum())
-            while np.all((best + way >= 0.0) & (best + way <= _MOST)):
+            while np.all((best + way >= 0) & (best + way <= _MOST) & (step > 0.5 or any(best))):
                 tried = predicted(best + way)
                 if likely(tried, 1) <= likely(at, 1) - allowed_loss:
                     break

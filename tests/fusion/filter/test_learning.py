@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from motorcade.fusion.filter import fuse, learn_noise
-from motorcade.fusion.imu import ImuNoise
+from motorcade.fusion.imu import ADIS16448, ImuNoise
 from motorcade.fusion.metrics import absolute_translation_m
 from motorcade.ga import Motor
 from motorcade.tracking.measurements import PoseMeasurements
 from tests.bench.data import data_folder
 from tests.bench.fusion.learnt import learnt_figures
-from tests.bench.fusion.recorded import FLIGHTS, flight
+from tests.bench.fusion.recorded import BLACKOUTS, FLIGHTS, flight, measured
 from tests.fusion.conftest import NOISE, Run
 
 
@@ -133,6 +133,17 @@ def test_noise_that_contradicts_the_poses_is_fitted_and_other_noise_stays(
     )
     assert errors < 1.1 * best
     assert 0.5 < nees(found, run.camera) < 1.7
+
+
+@pytest.mark.slow
+def test_a_flight_that_shakes_little_knows_its_errors_by_the_default_call():
+    """V1_01, whose gyroscope's noise lies between two powers of two."""
+    one = flight("V1_01", data_folder())
+    if one is None:
+        pytest.skip("no flight; set MOTORCADE_DATA")
+    poses = measured(one, 1, degraded=BLACKOUTS)
+    fused = fuse(poses, one.imu, ADIS16448, Motor.identity(), poses.trajectory.time_ns)
+    assert 0.6 < nees(fused, one.truth) < 1.6
 
 
 def test_poses_that_say_too_little_noise_do_not_change_the_imus(record: Callable[..., Run]) -> None:
