@@ -231,22 +231,22 @@ def test_a_buffer_without_bytes_is_refused(write: Write) -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "limit", "message"),
+    ("name", "limit", "message"),
     [
-        ("document", "MAX_TEXT_BYTES", 100, "JSON: expected at most 100 bytes"),
-        ("document", "MAX_FILE_BYTES", 100, "from 0 to 100"),
-        ("document", "MAX_VALUES", 100, "at most 100 numbers in all, got more"),
-        ("animations", "MAX_POSES", 1, "expected at most 1 keys in all, got more"),
-        ("animations", "MAX_CLIPS", 0, "expected at most 0, got 1"),
-        ("meshes", "MAX_VERTICES", 11, "vertices and triangles: expected at most 11"),
-        ("animations", "MAX_NODES", 3, "nodes: expected at most 3, got 4"),
+        ("document.MAX_TEXT_BYTES", 100, "JSON: expected at most 100 bytes"),
+        ("document.MAX_FILE_BYTES", 100, "from 0 to 100"),
+        ("document.MAX_VALUES", 100, "at most 100 numbers in all, got more"),
+        ("animations.MAX_POSES", 1, "expected at most 1 keys in all, got more"),
+        ("animations.MAX_CLIPS", 0, "expected at most 0, got 1"),
+        ("MAX_VERTICES", 11, "vertices and triangles: expected at most 11"),
+        ("animations.MAX_NODES", 3, "nodes: expected at most 3, got 4"),
     ],
 )
 def test_files_beyond_the_limits_are_refused(
-    write: Write, monkeypatch: pytest.MonkeyPatch, module: str, name: str, limit: int, message: str
+    write: Write, monkeypatch: pytest.MonkeyPatch, name: str, limit: int, message: str
 ) -> None:
     """Limits are lowered for the test rather than files made that large."""
-    monkeypatch.setattr(f"motorcade.animation.formats.gltf.{module}.{name}", limit)
+    monkeypatch.setattr(f"motorcade.animation.formats.gltf.{name}", limit)
     with pytest.raises(FormatError, match=message):
         read_character(write("large.glb", samples.gltf_tower().glb()))
 
