@@ -152,13 +152,22 @@ template <std::size_t N> struct Hypothesis {
         return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
     }
 
-    // How many measurements it explains.
-    std::ptrdiff_t explained() const { return std::count(believed.begin(), believed.end(), true); }
-
-    // Whether it explains more measurements of all, with as few jumps, and predicts none worse.
-    bool explains_more(const Hypothesis &other, double refused) const {
-        return doubts.size() <= other.doubts.size() && explained() > other.explained() &&
-               other.gain(*this, std::max(since, other.since)) <= refused;
+    // What all measurements cost beside another hypothesis. Denied ones in a row may be wrong
+    // together, as on a map of their own: they cost no more then than where the other believes
+    // them, as far as these may be good, and two refused poses; a jump of the map four.
+    double total(const Hypothesis &other, double refused, double good) const {
+        double sum = 4.0 * refused * static_cast<double>(doubts.size()), alone = 0.0,
+               together = 2.0 * refused;
+        for (std::size_t k = 0; k < cost.size(); ++k) {
+            if (believed[k]) {
+                sum += cost[k] + std::min(alone, together);
+                alone = 0.0, together = 2.0 * refused;
+            } else {
+                alone += cost[k];
+                if (other.believed[k]) together += std::min(other.cost[k], good);
+            }
+        }
+        return sum + std::min(alone, together);
     }
 
     // Whether this later start, or with more apart, is to be preferred: never with more jumps of

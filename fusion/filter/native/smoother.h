@@ -28,8 +28,8 @@ public:
 
     // Rewrites what the sink holds for the moments passed so far. The path may as well begin at any
     // pose that was denied near the start; what lies between two steps of the pose may be wrong
-    // together, as on a map of its own, and so may all before a step. What denies most of the
-    // measurements that no such hypothesis denies is given up: the wrong ones are the fewer.
+    // together, as on a map of its own, and so may all before a step. In the end what was
+    // preferred step by step stands beside what was left behind: the least costly is kept.
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
@@ -48,8 +48,11 @@ public:
                 starts.push_back(step.event);
         other_tried |= !found.empty();
         if (!try_starts(best, starts, true) && other_tried) remake(best);
-        if (spanned.explains_more(best, refused())) remake(spanned);
-        if (2 * hypothesis(this->begin_).explained() < plain.explained()) remake(plain);
+        best = hypothesis(this->begin_);
+        for (const Hypothesis<N> &other : {spanned, plain})
+            if (other.total(best, refused(), good()) + 2.0 * refused() <
+                best.total(other, refused(), good()))
+                remake(best = other);
         this->given_up_ = given_up;
     }
 
@@ -137,10 +140,9 @@ protected:
     // Whether most poses next to both ends of a span are off where all others lead. Where they are
     // not the path does not step, and it takes no map of their own to explain them.
     bool off_at_ends(const Hypothesis<N> &without, const Span &span) const {
-        const double most = prediction_cost(this->settings_.gate[6], 6.0);
         std::vector<bool> off;
         for (std::size_t k = span.first; k < span.second; ++k)
-            if (this->events_[k].from_pose()) off.push_back(without.cost[k] > most);
+            if (this->events_[k].from_pose()) off.push_back(without.cost[k] > good());
         const auto near = static_cast<std::ptrdiff_t>(std::min(off.size(), beside + 1));
         const auto usually = [&](auto first) {
             return 2 * std::count(first, first + near, true) > near;
@@ -297,6 +299,9 @@ protected:
             this->events_[index].doubt = std::make_unique<Doubt>(doubt);
         this->replay(this->begin_, this->next_);
     }
+
+    // Of a pose at the gate.
+    double good() const { return prediction_cost(this->settings_.gate[6], 6.0); }
 
     // Of a pose that is taken for wrong.
     double refused() const {
