@@ -57,7 +57,7 @@ class InertialPoses:
     """
 
     def __init__(self, noise: ImuNoise = ADIS16448) -> None:
-        self.found: Synchronised | None = None
+        self.synchronised: Synchronised | None = None
         self._noise = noise
         self._samples: deque[ImuSample] = deque(maxlen=_MOST_SAMPLES)
         self._poses: deque[_Pose] = deque()
@@ -81,12 +81,12 @@ class InertialPoses:
         """What is known of the IMU, for people; "" where no reading came."""
         if not self._samples:
             return ""
-        if self.found is None:
+        if self.synchronised is None:
             reason = f" ({self._reason})" if self._reason else ""
             return f"IMU not used yet: turn and move the camera{reason}"
-        offset, sigma = 1e3 * self.found.offset_s, 1e3 * self.found.offset_sigma_s
-        turn = np.degrees(self.found.rotation_sigma_rad.max())
-        lever = 1e3 * self.found.lever_arm_sigma_m.max()
+        offset, sigma = 1e3 * self.synchronised.offset_s, 1e3 * self.synchronised.offset_sigma_s
+        turn = np.degrees(self.synchronised.rotation_sigma_rad.max())
+        lever = 1e3 * self.synchronised.lever_arm_sigma_m.max()
         known = f"offset {offset:.1f} ± {sigma:.1f} ms, rotation ± {turn:.2f}°, lever ± {lever:.0f}"
         return f"IMU {'used' if self.used else 'found'}: {known} mm"
 
@@ -172,18 +172,18 @@ class InertialPoses:
         if np.any(np.array(sigma) > [SURE_OFFSET_S, *3 * [SURE_ROTATION_RAD], *3 * [SURE_LEVER_M]]):
             self._reason = "offset and extrinsics are not sure yet"
             return
-        self.found = synchronised
+        self.synchronised = synchronised
         self._start(synchronised)
 
-    def _start(self, found: Synchronised) -> None:
-        """A filter on what was found, fed with the last seconds."""
-        up = -found.gravity_m_s2 / np.linalg.norm(found.gravity_m_s2)
+    def _start(self, synchronised: Synchronised) -> None:
+        """A filter by what synchronising told, fed with the last seconds."""
+        up = -synchronised.gravity_m_s2 / np.linalg.norm(synchronised.gravity_m_s2)
         axis = np.cross(up, [0.0, 0.0, 1.0])
         size = float(np.linalg.norm(axis))
         unit = axis / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
         turn = Rotor.from_rotation_vector(np.arctan2(size, up[2]) * unit)
         self._level = Motor.from_rotor_translation(turn, np.zeros(3))
-        sigma = np.sqrt(np.diag(found.covariance))
+        sigma = np.sqrt(np.diag(synchronised.covariance))
         settings = FilterSettings(
             gravity_sigma_rad=float(sigma[7:10].max() / 9.81),
             extrinsics_sigma_rad=float(sigma[1:4].max()),
@@ -191,12 +191,15 @@ class InertialPoses:
             time_offset_sigma_s=float(sigma[0]),
         )
         self._filter = PoseFilter(
-            found.imu_noise, found.imu_T_camera, settings=settings, time_offset_s=found.offset_s
+            synchronised.imu_noise,
+            synchronised.imu_T_camera,
+            settings=settings,
+            time_offset_s=synchronised.offset_s,
         )
         since_ns = self._samples[-1].time_ns - _FED_NS
         for sample in (one for one in self._samples if one.time_ns >= since_ns):
             self._filter.imu(sample.time_ns, sample.rate_rad_s, sample.force_m_s2)
-        for pose in (one for one in self._poses if one[0] + 1e9 * found.offset_s > since_ns):
+        for pose in (one for one in self._poses if one[0] + 1e9 * synchronised.offset_s > since_ns):
             self._feed(self._filter, pose)
 
     def _feed(self, running: PoseFilter, pose: _Pose) -> None:

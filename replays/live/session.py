@@ -299,8 +299,8 @@ class LiveRecorder:
         text += '[frames]\nimages = "frames/*.png"\nstamps = "stamps.txt"\nstamps_unit = "ns"\n'
         if tracker.camera is not None:
             text += "\n" + camera_toml(tracker.camera)
-            if tracker.calibration is not None and tracker.calibration.found is not None:
-                text += f"focal_sigma = {tracker.calibration.found.sigma_focal!r}\n"
+            if tracker.calibration is not None and tracker.calibration.calibrated is not None:
+                text += f"focal_sigma = {tracker.calibration.calibrated.sigma_focal!r}\n"
         if isinstance(tracker.target, Board):
             text += "\n" + board_toml(tracker.target)
         write_bytes(self.folder / "motorcade.toml", text.encode())

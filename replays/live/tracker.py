@@ -69,7 +69,7 @@ class LiveCalibration:
 
     def __init__(self, size: tuple[int, int]) -> None:
         self.size = size
-        self.found: SelfCalibration | None = None
+        self.calibrated: SelfCalibration | None = None
         self._views: list[BoardCorners] = []
         self._stamps: list[int] = []
         self._reason = ""
@@ -84,9 +84,9 @@ class LiveCalibration:
     @property
     def status(self) -> str:
         """What is known of the camera, or what is lacking, for people."""
-        if self.found is not None:
-            focal, sigma = self.found.camera.fx, self.found.sigma_focal
-            doubts = "".join(f"; {doubt}" for doubt in self.found.doubts)
+        if self.calibrated is not None:
+            focal, sigma = self.calibrated.camera.fx, self.calibrated.sigma_focal
+            doubts = "".join(f"; {doubt}" for doubt in self.calibrated.doubts)
             return f"camera found: focal length {focal:.0f} ± {sigma * focal:.0f} px{doubts}"
         views = len(self._views)
         wanted = next((count for count in FITTED_AT if count > views), FITTED_AT[-1])
@@ -124,15 +124,15 @@ class LiveCalibration:
         if calibration.sigma_focal > GOOD_SIGMA:
             self._reject(f"known to {calibration.sigma_focal:.0%} only")
             return None
-        if self.found is not None and calibration.sigma_focal >= self.found.sigma_focal:
+        if self.calibrated is not None and calibration.sigma_focal >= self.calibrated.sigma_focal:
             return None
-        self.found = calibration
+        self.calibrated = calibration
         return calibration
 
     def _reject(self, reason: str) -> None:
         """Say why there is no camera yet; after the last fit begin with other views."""
         self._reason = reason
-        if self.found is None and len(self._views) >= FITTED_AT[-1]:
+        if self.calibrated is None and len(self._views) >= FITTED_AT[-1]:
             self._views, self._stamps = self._views[-1:], self._stamps[-1:]
 
     def close(self) -> None:

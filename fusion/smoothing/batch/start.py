@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,7 +174,7 @@ class PathStart:
                         tried.append((len(other.jumps), wrong, left, other))
             if not tried:
                 return self if start.mirrored is self.mirrored else start
-            *_, most, start = min(tried, key=lambda one: one[:2])
+            *_, most, start = min(tried, key=itemgetter(0, 1))
 
     def _mirrored(self, run: slice, sizes: tuple[Sizes, Sizes, Sizes]) -> PathStart:
         """The same with a run mirrored back, where a marker explains all of it; poses that were
@@ -267,7 +268,7 @@ def first_path(
         if not len(tried[-1][2].jumps):
             break
     start, even, measured, path, models = min(
-        tried, key=lambda one: (len(one[2].jumps), np.count_nonzero(one[0].weights == 0.0))
+        tried, key=lambda path: (len(path[2].jumps), np.count_nonzero(path[0].weights == 0.0))
     )
     smoothed = smoothed_per_axis(measured, path, start.weights, models, HEAVY_TAILS, FIRST_STEPS)
     return start, even, measured, smoothed

@@ -68,14 +68,14 @@ def test_drawn_error_does_not_grow_with_lateness(seed: int) -> None:
         if inertial._fit is not None:
             inertial._fit.exception()  # wait for it, so that the machine's load plays no part
         carried = inertial.at(now_ns)
-        assert carried is None or inertial.found is not None, "it is used once it is sure"
+        assert carried is None or inertial.synchronised is not None, "it is used once it is sure"
         if carried is not None and frame > LATE:
             off.append(off_px(carried, true))
             stale.append(off_px(measured[frame - LATE][1].world_T_camera, true))
     inertial.close()
-    assert inertial.found is not None, inertial.status
-    assert abs(inertial.found.offset_s - OFFSET_S) < 3.0 * SURE_OFFSET_S
-    turn = (inertial.found.imu_T_camera.rotor.inverse() @ IMU_T_CAMERA.rotor).angle()
+    assert inertial.synchronised is not None, inertial.status
+    assert abs(inertial.synchronised.offset_s - OFFSET_S) < 3.0 * SURE_OFFSET_S
+    turn = (inertial.synchronised.imu_T_camera.rotor.inverse() @ IMU_T_CAMERA.rotor).angle()
     assert turn < np.radians(1.5)
     assert "±" in inertial.status
     assert len(off) > 100
@@ -94,7 +94,7 @@ def test_an_imu_that_moves_otherwise_is_not_used() -> None:
         if inertial._fit is not None:
             inertial._fit.exception()
     inertial.close()
-    assert inertial.found is None
+    assert inertial.synchronised is None
     assert inertial.at(299 * STEP_NS) is None
     assert "not used yet" in inertial.status
 

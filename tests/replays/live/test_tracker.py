@@ -63,7 +63,7 @@ def test_the_camera_is_found_from_the_board_with_its_doubt() -> None:
             break
     tracker.close()
     assert pose.state == "tracking", tracker.camera_status
-    sigma = tracker.calibration.found.sigma_focal
+    sigma = tracker.calibration.calibrated.sigma_focal
     assert abs(tracker.camera.fx / CAMERA.fx - 1.0) < max(3.0 * sigma, 0.01)
     assert "±" in tracker.camera_status
 
