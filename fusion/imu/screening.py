@@ -49,19 +49,29 @@ def screen_imu(imu: ImuStream) -> tuple[str, ...]:
         ...
         ValueError: ...
     """
-    felt, share = _felt_at_rest(imu), _turned_share(imu)
-    for size, unit, factor in GRAVITY_UNITS:
-        if felt is not None and abs(felt / size - 1.0) < GRAVITY_SHARE:
-            raise ValueError(
-                f"specific_force_m_s2: expected about {STANDARD_GRAVITY_M_S2} at rest, got "
-                f"{felt:.4g}, which is gravity in {unit}; multiply by {factor:g}"
-            )
+    felt, share = refuse_units_of_force(imu), _turned_share(imu)
     if share is not None and 0.5 < share / np.deg2rad(1.0) < 2.0:
         raise ValueError(
             "angular_rate_rad_s: expected radians a second, got readings by which gravity turns "
             f"{share:.4f} times as far, as in degrees a second; multiply by {np.deg2rad(1.0):.8g}"
         )
     return (*_gravity(felt), *saturated_axes(imu), *_gaps(imu))
+
+
+def refuse_units_of_force(imu: ImuStream) -> float | None:
+    """Size of specific force at rest; None where the sensor never is.
+
+    Raises:
+        ValueError: naming the unit in which it is gravity's, and the factor that mends it.
+    """
+    felt = _felt_at_rest(imu)
+    for size, unit, factor in GRAVITY_UNITS:
+        if felt is not None and abs(felt / size - 1.0) < GRAVITY_SHARE:
+            raise ValueError(
+                f"specific_force_m_s2: expected about {STANDARD_GRAVITY_M_S2} at rest, got "
+                f"{felt:.4g}, which is gravity in {unit}; multiply by {factor:g}"
+            )
+    return felt
 
 
 def refuse_movement(imu: ImuStream) -> None:
