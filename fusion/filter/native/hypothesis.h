@@ -152,6 +152,9 @@ template <std::size_t N> struct Hypothesis {
         return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
     }
 
+    // How many measurements it explains.
+    std::ptrdiff_t explained() const { return std::count(believed.begin(), believed.end(), true); }
+
     // What all measurements cost beside another hypothesis. Denied ones in a row may be wrong
     // together, as on a map of their own: they cost no more then than where the other believes
     // them, as far as these may be good, and two refused poses; a jump of the map four.

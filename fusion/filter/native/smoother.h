@@ -29,7 +29,9 @@ public:
     // Rewrites what the sink holds for the moments passed so far. The path may as well begin at any
     // pose that was denied near the start; what lies between two steps of the pose may be wrong
     // together, as on a map of its own, and so may all before a step. In the end what was
-    // preferred step by step stands beside what was left behind: the least costly is kept.
+    // preferred step by step stands beside what was left behind, where that explains more: the
+    // less costly is kept. What denies most of the measurements that are explained without any
+    // such hypothesis is given up: the wrong ones are the fewer.
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
@@ -50,9 +52,11 @@ public:
         if (!try_starts(best, starts, true) && other_tried) remake(best);
         best = hypothesis(this->begin_);
         for (const Hypothesis<N> &other : {spanned, plain})
-            if (other.total(best, refused(), good()) + 2.0 * refused() <
-                best.total(other, refused(), good()))
+            if (other.explained() > best.explained() &&
+                other.total(best, refused(), good()) + 2.0 * refused() <
+                    best.total(other, refused(), good()))
                 remake(best = other);
+        if (2 * best.explained() < plain.explained()) remake(plain);
         this->given_up_ = given_up;
     }
 

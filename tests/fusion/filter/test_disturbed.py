@@ -200,6 +200,7 @@ def test_recorded_flights_are_smoothed_as_without_what_is_wrong(name: str, how: 
         ("V2_02", 12, Drawn(), 36),
         ("V1_03", 21, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
         ("V1_03", 41, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
+        ("V1_03", 2311, Drawn(), 50),
     ],
 )
 def test_most_poses_of_a_flight_are_not_denied_for_a_wrong_span(
