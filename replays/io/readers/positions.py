@@ -119,7 +119,8 @@ def _topics(path: Path, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
 
 _MARK = b"\xa3\x95"
 _FORMATS = 0x80
-_MOST_MESSAGES, _MOST_LOST = 30_000_000, 100_000
+_MOST_MESSAGES = 10_000_000
+_MOST_LOST = 100_000
 _KINDS = "V64 i1 u1 <i2 <u2 <i4 <u4 <i8 <u8 <f4 <f8 <f2 S4 S16 S64 u1 <i2 <u2 <i4 <u4 <i4"
 _TYPES = dict(zip("abBhHiIqQfdgnNZMcCeEL", _KINDS.split(), strict=True))
 _SCALES = {**dict.fromkeys("cCeE", 0.01), "L": 1e-7}

@@ -16,12 +16,10 @@ HELP = {
         for name in (
             "arguments",
             "cameras",
-            "characters",
             "evaluation",
             "fusion",
             "imu",
             "inspection",
-            "live",
             "main",
             "runs",
             "tools",

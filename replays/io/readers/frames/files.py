@@ -57,8 +57,8 @@ class ImageFrames:
         right_files: right image of each frame, where they are rectified pairs.
         depth_camera: what took the depth images, where they do not lie on the images' pixels
             yet: they are registered as they are read, to `colour_camera`.
-        orientation: how the images are shown, whatever one of them says: whose camera was held
-            otherwise is shown turned, as one camera saw it.
+        orientation: how all images are shown, as the first says: one for which the camera was held
+            otherwise is shown turned, as the same camera saw it.
         shown_size: width and height of the first as shown, where `first_look` found them.
         digests: size in bytes and SHA-256 of files that were read whole, when they were checked.
         masks: of what moves before the scene; None without.
@@ -218,8 +218,8 @@ class ImageFrames:
                 )
             if orientation != self.orientation:
                 _LOG.warning(
-                    "%s: %d of %d images are %s, most are %s: they are shown as those, so that one "
-                    "camera holds for all",
+                    "%s: %d of %d images are %s, the first is %s: they are shown as that one, so "
+                    "that one camera holds for all",
                     self.files[0].parent,
                     count,
                     held.total(),
@@ -244,8 +244,10 @@ class ImageFrames:
         Raises:
             RecordingError: the first image is missing or truncated.
         """
+        if self.shown_size is not None:
+            return self.shown_size
         data = images.read_image_bytes(self.files[0], "frame 0", None)
-        return self.shown_size or self.orientation.size(images.image_size(data))
+        return self.orientation.size(images.image_size(data))
 
     def first_depth_size(self) -> tuple[int, int]:
         """Width and height of the first depth image; raises as `first_size`."""
@@ -267,20 +269,15 @@ class ImageFrames:
         return track(named, what, sum(len(files) for _, files in kinds))
 
 
-_LOOKED_AT = 9
-
-
 def first_look(files: Sequence[Path]) -> tuple[tuple[int, int], ImageOrientation]:
-    """Width and height of the first of some images as shown, and how most are to be shown.
+    """Width and height of the first of some images as shown, and how that is to be done.
 
     Raises:
-        RecordingError: an image is missing or truncated.
+        RecordingError: the image is missing or truncated.
     """
-    some = np.unique(np.linspace(0, len(files) - 1, _LOOKED_AT).astype(int)).tolist()
-    first, *others = (images.read_image_bytes(files[k], f"frame {k}", None) for k in some)
-    held = Counter(image_orientation(data) for data in (first, *others))
-    orientation = held.most_common(1)[0][0]
-    return orientation.size(images.image_size(first)), orientation
+    data = images.read_image_bytes(files[0], "frame 0", None)
+    orientation = image_orientation(data)
+    return orientation.size(images.image_size(data)), orientation
 
 
 def _of_another_size(sizes: Mapping[Path, tuple[int, int]]) -> dict[Path, DamagedError]:
