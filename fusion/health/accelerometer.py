@@ -18,7 +18,7 @@ from motorcade.fusion.health.models import (
     Base,
     Model,
     Prior,
-    find_rivals,
+    find_candidates,
     judge_axes,
     judge_stated,
 )
@@ -110,9 +110,9 @@ class ForceTrial:
             judged = replace(judged, state="unexplained")
         return self._verdict("named" if explained else "unexplained", judged, agrees=False)
 
-    def rivals(self) -> tuple[Model, ...]:
+    def candidates(self) -> tuple[Model, ...]:
         """Bases and permutations that explain the accelerometer best; none where too few are."""
-        return find_rivals(self._bases()) if len(self.pushes) >= _FEWEST else ()
+        return find_candidates(self._bases()) if len(self.pushes) >= _FEWEST else ()
 
     def camera_R_imu(self) -> dict[Base, FloatArray]:
         """Rotations ``(3, 3)`` of the extrinsics, read either way round."""

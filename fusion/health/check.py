@@ -305,9 +305,9 @@ def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[Story]:
     measurement can tell apart.
     """
     verdicts = [rates]
-    if rates.state == "named" and rates.axes is not None and len(rates.axes.rivals) > 1:
+    if rates.state == "named" and rates.axes is not None and len(rates.axes.candidates) > 1:
         turns = trial.camera_R_imu()
-        models = _fewest(rates.axes.rivals, trial.rivals(), turns)
+        models = _fewest(rates.axes.candidates, trial.candidates(), turns)
         verdicts = [_retold(rates, rates.axes, model, turns) for model in models]
     return [Story(own, trial.judged(own.axes if own.explained else None)) for own in verdicts]
 
@@ -325,7 +325,7 @@ def count_faults(model: Model, of_forces: FloatArray) -> int:
 def _fewest(
     of_rates: Sequence[Model], of_forces: Sequence[Model], turns: Mapping[Base, FloatArray]
 ) -> list[Model]:
-    """What the gyroscope's rivals come to: the most believed, and what is the same as that."""
+    """What the gyroscope's candidates come to: the most believed, and what is the same as that."""
     pairs = [
         (count_faults((base, own), other), base, own, other)
         for base, own in of_rates
@@ -347,7 +347,7 @@ def _fewest(
 def _retold(
     rates: RateVerdict, axes: AxesVerdict, model: Model, turns: Mapping[Base, FloatArray]
 ) -> RateVerdict:
-    """The same verdict by the name of a rival."""
+    """The same verdict by the name of a candidate."""
     base, permutation = model
     bias = turns[base].T @ turns[axes.base] @ rates.bias_rad_s
     return replace(rates, axes=replace(axes, base=base, permutation=permutation), bias_rad_s=bias)

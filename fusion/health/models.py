@@ -3,7 +3,7 @@
 In order of belief: as stated; one fault, which is extrinsics that were given the wrong way round,
 or signs and axes, the simplest first; both at once; any rotation. Each may come with a unit. What
 has a mend of its own so stands before what explains as much by accident, and a model only counts
-where the motion tells it from nothing. Those that explain as much are kept as rivals: the other
+where the motion tells it from nothing. Those that explain as much are kept as candidates: the other
 sensor may tell them apart (see `check`).
 """
 
@@ -56,7 +56,7 @@ class AxesVerdict:
         gain: logarithm of the odds against readings that have nothing to do with the path.
         sigma: ``(3, 3)`` deviations of the elements of K, as shares.
         fit: of what was chosen, with the unknowns besides K last.
-        rivals: models without a turn that explain the readings as well, this one among them, by
+        candidates: models without a turn that explain the readings as well, this one among them, by
             belief; none where that was not asked, or a turn explains them.
         scales: of the axes of the readings, where one of them differs from the others.
     """
@@ -69,7 +69,7 @@ class AxesVerdict:
     gain: float
     sigma: FloatArray
     fit: RobustFit
-    rivals: tuple[Model, ...] = ()
+    candidates: tuple[Model, ...] = ()
     scales: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     @property
@@ -125,10 +125,10 @@ def judge_axes(
         needed: of the gain over nothing.
     """
     believed = next(iter(evidence))
-    rivals = find_rivals(evidence)
-    if not rivals:
+    candidates = find_candidates(evidence)
+    if not candidates:
         return replace(judge_stated(evidence[believed], needed), state="nothing")
-    base, matrix = rivals[0]
+    base, matrix = candidates[0]
     own = evidence[base]
     nothing = own.nothing().score
     fit = own.scaled(matrix, own.multiple(matrix))
@@ -146,10 +146,10 @@ def judge_axes(
     state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
-    return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, sigma, fitted, rivals)
+    return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, sigma, fitted, candidates)
 
 
-def find_rivals(evidence: Mapping[Base, AxesEvidence]) -> tuple[Model, ...]:
+def find_candidates(evidence: Mapping[Base, AxesEvidence]) -> tuple[Model, ...]:
     """Models that explain the readings as well as the best of them, by belief.
 
     Those are what scores nearly as well, and what is the same but for its name: where both ways

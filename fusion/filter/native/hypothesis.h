@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "rivals.h"
+#include "candidates.h"
 
 namespace motorcade::filter {
 
@@ -65,7 +65,7 @@ template <std::size_t N> void Timeline<N>::keep_and_forget() {
             events_.pop_front();
             --next_;
             forgotten_ = true;
-            shift_rivals(1, -1);
+            shift_candidates(1, -1);
         }
         oldest = events_.front().time_ns;
     }

@@ -100,7 +100,7 @@ template <std::size_t N> template <class Do> void Timeline<N>::begin_wide(Do &&s
 // Everything from an event on is done anew, as if nothing had been measured before.
 template <std::size_t N> void Timeline<N>::begin_at(std::size_t index) {
     for (Event &event : events_) event.doubt.reset(), event.given = undecided, event.apart = false;
-    rivals_.clear(), former_.reset(), begun_.reset();
+    candidates_.clear(), former_.reset(), begun_.reset();
     explained_ = own_hits_ = denied_ = 0;
     started_ = false;
     begin_ = own_birth_ = next_ = index;

@@ -33,9 +33,9 @@ struct Settings {
     std::size_t check_every;     // samples between kept states; 0: at events only
 };
 
-// See rivals.h.
+// See candidates.h.
 template <std::size_t N> struct Track;
-template <std::size_t N> struct Rival;
+template <std::size_t N> struct Candidate;
 
 // In a whole recording the state is kept at every so many events, and made again between them.
 constexpr std::size_t stride = 64;
@@ -96,7 +96,7 @@ public:
         const auto index = static_cast<std::size_t>(place - events_.begin());
         const bool late = index < next_ || (started_ && event.time_ns < time_ns_);
         events_.insert(place, std::move(event));
-        if (started_) shift_rivals(index, 1);
+        if (started_) shift_candidates(index, 1);
         if (late) {
             const bool newest = index == next_;
             replay(index, ++next_);
@@ -331,20 +331,20 @@ private:
     void lean();
     void make_room(const Event &event, const Doubt &doubt);
 
-    // See rivals.h.
+    // See candidates.h.
     void consider(std::size_t index);
     void challenge(std::size_t index);
-    bool agrees(Rival<N> &rival, const Event &event, double gates = 1.0);
+    bool agrees(Candidate<N> &candidate, const Event &event, double gates = 1.0);
     double believed(const Event &event, double gates = 1.0);
     void spawn(std::size_t index);
-    void give_up(const Rival<N> &rival);
+    void give_up(const Candidate<N> &candidate);
     bool imu_suffices(const Event &event) const;
     void undo_jump(std::size_t jump, std::size_t from, std::size_t to);
     void take_for_wrong(std::size_t from, std::size_t to);
     void undecide(std::size_t from);
     void turn_round();
     void retreat_to(std::int64_t to);
-    void shift_rivals(std::size_t from, int by);
+    void shift_candidates(std::size_t from, int by);
     template <class Do> void along(Track<N> &track, Do &&act);
 
     // See hypothesis.h.
@@ -353,9 +353,10 @@ private:
     void keep_and_forget();
     void write(Event &event);
 
-    std::vector<Rival<N>> rivals_;
-    std::unique_ptr<Rival<N>> former_;  // the prediction given up last, as long as it may return
-    std::size_t explained_ = 0;         // measurements believed so far
+    std::vector<Candidate<N>> candidates_;
+    std::unique_ptr<Candidate<N>>
+        former_;                 // the prediction given up last, as long as it may return
+    std::size_t explained_ = 0;  // measurements believed so far
     std::size_t own_birth_ = 0, own_hits_ = 0;  // of the prediction since it was last given up
     std::size_t denied_ = 0;                    // in a row, the first of them at `doubted_ns_`
     std::int64_t doubted_ns_ = 0;

@@ -107,7 +107,7 @@ private:
     }
 
     // Whether the window can judge: of a start, which may be wrong as all others may, only as many
-    // can as rivals need.
+    // can as candidates need.
     bool told() const {
         std::size_t count = 0;
         for (std::size_t k = this->due_; k < this->next_; ++k) count += this->events_[k].measures();

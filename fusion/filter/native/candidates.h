@@ -1,10 +1,10 @@
 // Several accounts of what is measured. Whatever the prediction denies may be an outlier, or the
 // prediction may be wrong: because the start was, or because the map was relocated. Each
-// measurement that nothing explains founds a rival, which is propagated on; later ones that the
-// prediction denies too are offered to the rivals. Outliers do not agree with each other through
-// what the IMU felt between them; a rival that goes on agreeing is right. One that goes on where a
-// prediction was given up before shows that what lay between was wrong, however well that agreed
-// with itself.
+// measurement that nothing explains founds a candidate, which is propagated on; later ones that the
+// prediction denies too are offered to the candidates. Outliers do not agree with each other
+// through what the IMU felt between them; a candidate that goes on agreeing is right. One that goes
+// on where a prediction was given up before shows that what lay between was wrong, however well
+// that agreed with itself.
 
 #pragma once
 
@@ -12,8 +12,9 @@
 
 namespace motorcade::filter {
 
-// Two poses determine a rival's pose and velocity, and nothing tests them but the turn between. Two
-// more that agree are chance once in 10⁵ where turns are uniform; a fifth, since many are tried.
+// Two poses determine a candidate's pose and velocity, and nothing tests them but the turn between.
+// Two more that agree are chance once in 10⁵ where turns are uniform; a fifth, since many are
+// tried.
 constexpr std::size_t enough_hits = 5;
 // Of what is likely beforehand: that a prediction given up was right, or was worse than it said.
 constexpr std::size_t enough_likely_hits = 3;
@@ -21,7 +22,7 @@ constexpr std::size_t enough_likely_hits = 3;
 // more for as long.
 constexpr std::size_t established_hits = 4 * enough_hits;
 // With half of the measurements wrong, one of so many in a row is right 98 times of 100.
-constexpr std::size_t most_rivals = 6;
+constexpr std::size_t most_candidates = 6;
 // How long the IMU alone may carry a prediction that was given up, as it may over gaps.
 constexpr std::int64_t longest_bridge_ns = 10'000'000'000;
 
@@ -40,7 +41,7 @@ template <std::size_t N> struct Track {
 };
 
 // Another account of what was measured, from the moment on at which it contradicted the prediction.
-template <std::size_t N> struct Rival {
+template <std::size_t N> struct Candidate {
     Track<N> track;
     std::size_t birth = 0;  // the event from which it started
     std::size_t hits = 0;   // measurements that it explained and the prediction did not
@@ -78,38 +79,41 @@ template <std::size_t N> void Timeline<N>::consider(std::size_t index) {
     if (!event.placed) return;  // any map agrees with that
     denied_ = 0;
     ++explained_, ++own_hits_;
-    const auto beaten = [this](const Rival<N> &one) { return explained_ - one.base > one.hits; };
-    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), beaten), rivals_.end());
+    const auto beaten = [this](const Candidate<N> &one) {
+        return explained_ - one.base > one.hits;
+    };
+    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), beaten),
+                      candidates_.end());
 }
 
 template <std::size_t N> void Timeline<N>::challenge(std::size_t index) {
     const Event &event = events_[index];
     bool taken = false, returned = false;
-    for (Rival<N> &rival : rivals_) {
-        rival.agreed = agrees(rival, event);
-        if (rival.agreed) taken = true, returned |= rival.returned;
+    for (Candidate<N> &candidate : candidates_) {
+        candidate.agreed = agrees(candidate, event);
+        if (candidate.agreed) taken = true, returned |= candidate.returned;
     }
     if (former_ && !returned && former_->track.time_ns <= event.time_ns) {
         along(former_->track, [&] { advance_to(event.time_ns); });
-        Rival<N> again = *former_;
+        Candidate<N> again = *former_;
         again.hits = 0, again.base = explained_, again.birth = index;
         again.returned = again.agreed = true;
         // It may be worse than it says.
-        if (agrees(again, event, settings_.most_noise)) taken = true, rivals_.push_back(again);
+        if (agrees(again, event, settings_.most_noise)) taken = true, candidates_.push_back(again);
     }
     if (!taken) spawn(index);
-    const auto fewer = [](const Rival<N> &one, const Rival<N> &other) {
+    const auto fewer = [](const Candidate<N> &one, const Candidate<N> &other) {
         return one.agreed == other.agreed ? one.hits < other.hits : other.agreed;
     };
-    const auto best = std::max_element(rivals_.begin(), rivals_.end(), fewer);
-    if (best == rivals_.end() || !best->agreed) return;
+    const auto best = std::max_element(candidates_.begin(), candidates_.end(), fewer);
+    if (best == candidates_.end() || !best->agreed) return;
     const bool likely = best->returned || strained(events_[best->birth]);
     if (best->hits < (likely ? enough_likely_hits : enough_hits) + (explained_ - best->base))
         return;
     // What explained twice as many is not given up lightly.
     if (!likely && own_hits_ >= 2 * best->hits && imu_suffices(event)) return;
-    const Rival<N> winner = *best;
-    rivals_.clear();
+    const Candidate<N> winner = *best;
+    candidates_.clear();
     give_up(winner);
 }
 
@@ -155,15 +159,15 @@ template <std::size_t N> template <class Do> void Timeline<N>::along(Track<N> &t
 }
 
 template <std::size_t N>
-bool Timeline<N>::agrees(Rival<N> &rival, const Event &event, double gates) {
+bool Timeline<N>::agrees(Candidate<N> &candidate, const Event &event, double gates) {
     bool hit = false;
-    if (rival.track.time_ns <= event.time_ns) {
-        along(rival.track, [&] {
+    if (candidate.track.time_ns <= event.time_ns) {
+        along(candidate.track, [&] {
             advance_to(event.time_ns);
             hit = believed(event, gates) > 0.0;
         });
     }
-    rival.hits += hit;
+    candidate.hits += hit;
     return hit;
 }
 
@@ -178,15 +182,15 @@ template <std::size_t N> double Timeline<N>::believed(const Event &event, double
     return 1.0;
 }
 
-// A rival that starts from a measurement: the prediction with room for that to be right, on a map
-// that was relocated where it is a pose; from such a pose alone where the biases are not known.
+// A candidate that starts from a measurement: the prediction with room for that to be right, on a
+// map that was relocated where it is a pose; from such a pose alone where the biases are not known.
 template <std::size_t N> void Timeline<N>::spawn(std::size_t index) {
     const Event &event = events_[index];
     const bool fresh =
         event.from_pose() && (own_hits_ < established_hits || denied_ > established_hits);
-    Rival<N> made;
-    made.track = {now_, p_, time_ns_};
-    made.birth = index, made.hits = 1, made.base = explained_;
+    Candidate<N> spawned;
+    spawned.track = {now_, p_, time_ns_};
+    spawned.birth = index, spawned.hits = 1, spawned.base = explained_;
     const std::array<double, 5> &start = settings_.start_sigma;
     const auto square = [](double x) { return x * x; };
     std::array<double, 5> room = {square(wide_rad), square(wide_m), square(start[2]),
@@ -202,24 +206,26 @@ template <std::size_t N> void Timeline<N>::spawn(std::size_t index) {
         room[1] = fast ? 0.0 : std::max(seen ? square(wide_m) : 0.0, event.placed ? apart : 0.0);
         room[2] = std::max(apart, square(bias_share * start[2]));
     }
-    made.room.relocated = event.from_pose();
-    std::copy(room.begin(), room.end(), made.room.added);
-    along(made.track, [&] {
+    spawned.room.relocated = event.from_pose();
+    std::copy(room.begin(), room.end(), spawned.room.added);
+    along(spawned.track, [&] {
         if (fresh) return from_pose(event);
-        make_room(event, made.room);
+        make_room(event, spawned.room);
         believed(event);
     });
-    if (rivals_.size() == most_rivals) {
-        const auto fewest = std::min_element(
-            rivals_.begin(), rivals_.end(),
-            [](const Rival<N> &one, const Rival<N> &other) { return one.hits < other.hits; });
-        rivals_.erase(fewest);
+    if (candidates_.size() == most_candidates) {
+        const auto fewest =
+            std::min_element(candidates_.begin(), candidates_.end(),
+                             [](const Candidate<N> &one, const Candidate<N> &other) {
+                                 return one.hits < other.hits;
+                             });
+        candidates_.erase(fewest);
     }
-    rivals_.push_back(made);
+    candidates_.push_back(spawned);
 }
 
 // The winner's account is taken over, and all since is done again by it.
-template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
+template <std::size_t N> void Timeline<N>::give_up(const Candidate<N> &winner) {
     const bool never_right = own_hits_ <= winner.hits;
     const Event &first = events_[winner.birth];
     const std::int64_t now_ns = events_[next_ - 1].time_ns;
@@ -245,7 +251,7 @@ template <std::size_t N> void Timeline<N>::give_up(const Rival<N> &winner) {
             events_[from].given = undecided;
             if (former_) former_->birth = winner.birth;
         } else if (!former_ || former_->hits < own_hits_) {
-            former_ = std::make_unique<Rival<N>>(winner);
+            former_ = std::make_unique<Candidate<N>>(winner);
             former_->track = {now_, p_, time_ns_};
             former_->hits = own_hits_, former_->base = own_birth_;
         }
@@ -381,24 +387,27 @@ template <std::size_t N> void Timeline<N>::retreat_to(std::int64_t to) {
     }
 }
 
-// Measurements were judged again: a rival that was born of one that is believed now has no case.
+// Measurements were judged again: a candidate that was born of one that is believed now has no
+// case.
 template <std::size_t N> void Timeline<N>::reconsider() {
-    const auto idle = [this](const Rival<N> &one) { return events_[one.birth].factor > 0.0; };
-    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), idle), rivals_.end());
+    const auto idle = [this](const Candidate<N> &one) { return events_[one.birth].factor > 0.0; };
+    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), idle),
+                      candidates_.end());
     std::size_t last = next_;
     while (last > 0 && !(events_[last - 1].measures() && events_[last - 1].placed)) --last;
     if (last > 0 && events_[last - 1].factor > 0.0) denied_ = 0;
 }
 
 // Events were put in at an index, or forgotten there.
-template <std::size_t N> void Timeline<N>::shift_rivals(std::size_t index, int by) {
+template <std::size_t N> void Timeline<N>::shift_candidates(std::size_t index, int by) {
     const auto shifted = [&](std::size_t k) {
         return k < index ? k : static_cast<std::size_t>(static_cast<std::ptrdiff_t>(k) + by);
     };
-    const auto forgotten = [&](const Rival<N> &one) { return by < 0 && one.birth <= index; };
-    rivals_.erase(std::remove_if(rivals_.begin(), rivals_.end(), forgotten), rivals_.end());
+    const auto forgotten = [&](const Candidate<N> &one) { return by < 0 && one.birth <= index; };
+    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), forgotten),
+                      candidates_.end());
     if (former_ && forgotten(*former_)) former_.reset();
-    for (Rival<N> &one : rivals_) one.birth = shifted(one.birth);
+    for (Candidate<N> &one : candidates_) one.birth = shifted(one.birth);
     if (former_) former_->birth = shifted(former_->birth), former_->base = shifted(former_->base);
     own_birth_ = shifted(own_birth_);
     if (by < 0)
