@@ -22,7 +22,8 @@ from motorcade.replays.engine.graph import Graph, Knobs
 from motorcade.replays.engine.stage import GraphError
 from motorcade.replays.io.files import read_bounded, write_bytes
 from motorcade.replays.io.readers.frames.corners import CornerFrames
-from motorcade.replays.io.readers.frames.files import ImageFrames, stamps_of_names
+from motorcade.replays.io.readers.frames.files import ImageFrames
+from motorcade.replays.io.readers.frames.names import stamps_of_names
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.layouts.detect import LOOSE_IMAGES, RATE_HZ
 from motorcade.replays.io.readers.manifest import LOCAL_NAME

@@ -14,9 +14,6 @@ from motorcade.replays.io.readers.frames.files import (
     ImageFrames,
     image_glob,
     inside,
-    numbered,
-    refuse_gaps,
-    stamps_of_names,
 )
 from motorcade.replays.io.readers.frames.images import (
     image_orientation,
@@ -25,6 +22,7 @@ from motorcade.replays.io.readers.frames.images import (
     read_gray,
     read_image,
 )
+from motorcade.replays.io.readers.frames.names import numbered, refuse_gaps, stamps_of_names
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.tracking.cameras.camera import ImageOrientation
 
@@ -209,6 +207,19 @@ def test_names_that_are_times_are_the_stamps(digits: int, point: str) -> None:
     names = [f"{ns // 10**9}{point}{ns % 10**9 // 10 ** (9 - digits):0{digits}d}" for ns in stamps]
     time_ns = stamps_of_names([Path(f"{name}.png") for name in names], 30.0)
     np.testing.assert_array_equal(time_ns, stamps)
+
+
+def test_dates_in_names_are_the_stamps_and_never_counts_of_images() -> None:
+    """As Android ("IMG_20190812_153045") and Pixels ("PXL_..., with thousandths) name them."""
+    seconds = [Path(f"IMG_20190812_{clock}.jpg") for clock in ("235958", "235959")]
+    seconds.append(Path("IMG_20190813_000002.jpg"))
+    np.testing.assert_array_equal(np.diff(stamps_of_names(seconds, 30.0)), [10**9, 3 * 10**9])
+    fine = [Path(f"PXL_20210103_120000{ms}.jpg") for ms in ("007", "250")]
+    assert np.diff(stamps_of_names(fine, 30.0)).tolist() == [243_000_000]
+    burst = [Path(f"IMG_20190812_153045_{k}.jpg") for k in (1, 2, 3)]
+    np.testing.assert_array_equal(stamps_of_names(burst, 10.0), [0, 10**8, 2 * 10**8])
+    no_dates = [Path(f"20209999{k:06d}.png") for k in (1, 2, 4)]
+    np.testing.assert_array_equal(stamps_of_names(no_dates, 10.0), [0, 10**8, 3 * 10**8])
 
 
 @pytest.mark.parametrize(

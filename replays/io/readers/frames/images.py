@@ -137,6 +137,7 @@ def _entries(tiff: bytes, first: int | None = None) -> dict[int, int]:
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm")
 FILE_LIMIT = 256 * 2**20
+FRAME_LIMIT = 1_000_000
 PIXEL_LIMIT = 100_000_000
 FRAME_PIXELS = 50_000_000
 """Pixels of an image by itself, and of a frame, of which some are held at once."""
@@ -210,18 +211,27 @@ def read_image(
     return (orientation or image_orientation(data)).upright(np.asarray(image, dtype=np.uint8))
 
 
-def read_gray(path: Path, field: str | None, size: tuple[int, int] | None) -> ImageArray:
+def read_gray(
+    path: Path,
+    field: str | None,
+    size: tuple[int, int] | None,
+    orientation: ImageOrientation | None = None,
+) -> ImageArray:
     """Decode an image of any kind to grey, upright: uint8 ``(height, width)`` (BT.601's luma).
 
     The brightest pixel of a 16-bit file becomes white, since such files seldom use all their bits.
+    An `orientation` overrules the file's own.
 
     Raises:
         RecordingError: as `read_image_bytes`, and what cannot be decoded.
     """
-    return decode_gray(path, read_image_bytes(path, field, size), field)
+    data = read_image_bytes(path, field, size, orientation=orientation)
+    return decode_gray(path, data, field, orientation)
 
 
-def decode_gray(path: Path, data: bytes, field: str | None) -> ImageArray:
+def decode_gray(
+    path: Path, data: bytes, field: str | None, orientation: ImageOrientation | None = None
+) -> ImageArray:
     """The same of a file that was read (`read_image_bytes`).
 
     Raises:
@@ -234,7 +244,7 @@ def decode_gray(path: Path, data: bytes, field: str | None) -> ImageArray:
         image = np.rint(shown).astype(np.uint8)
     if image.dtype != np.uint8:
         raise refusal(path, f"expected 8 or 16 bits a pixel, got {image.dtype}", field=field)
-    return image_orientation(data).upright(np.asarray(image, dtype=np.uint8))
+    return (orientation or image_orientation(data)).upright(np.asarray(image, dtype=np.uint8))
 
 
 def read_depth(

@@ -38,7 +38,7 @@ from motorcade.ga.names import one_line
 from motorcade.ga.progress import track
 from motorcade.render.video import MAX_FILE_BYTES, MAX_PIXELS, open_video
 from motorcade.replays.io.files import open_bounded, refusal, refused
-from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
+from motorcade.replays.io.readers.frames.images import FRAME_LIMIT
 
 _ASSUMED_HZ = Fraction(25)  # as FFmpeg takes it where neither stamps nor a rate are stored
 _LEAST_APART_NS = 1_000_000  # between stamps that are counted: ticks of a film's clock

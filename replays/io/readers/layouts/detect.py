@@ -16,9 +16,9 @@ from motorcade.replays.io.readers.frames.files import (
     ImageFrames,
     first_look,
     images_in,
-    stamps_of_names,
 )
 from motorcade.replays.io.readers.frames.images import SUFFIXES
+from motorcade.replays.io.readers.frames.names import stamps_of_names
 from motorcade.replays.io.readers.layouts import (
     euroc,
     kitti,

@@ -20,7 +20,8 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.calibration import make_camera
-from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
+from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob
+from motorcade.replays.io.readers.frames.names import refuse_gaps
 from motorcade.replays.io.readers.tables import data_rows
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import even_stamps, read_times, read_trajectory

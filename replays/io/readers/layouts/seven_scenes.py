@@ -19,7 +19,8 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import IntArray
 from motorcade.replays.io.files import refusal
 from motorcade.replays.io.readers.calibration import make_camera, read_matrix, read_numbers
-from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob, refuse_gaps
+from motorcade.replays.io.readers.frames.files import ImageFrames, image_glob
+from motorcade.replays.io.readers.frames.names import refuse_gaps
 from motorcade.replays.io.recording import Recording
 from motorcade.replays.io.trajectories import even_stamps
 from motorcade.replays.io.transforms import transform

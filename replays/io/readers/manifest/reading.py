@@ -29,9 +29,9 @@ from motorcade.replays.io.readers.frames.files import (
     images_in,
     inside,
     paired_masks,
-    stamps_of_names,
 )
 from motorcade.replays.io.readers.frames.held import upright_camera
+from motorcade.replays.io.readers.frames.names import stamps_of_names
 from motorcade.replays.io.readers.frames.video import VideoFrames
 from motorcade.replays.io.readers.frames.views import ZoomedFrames, frames_between
 from motorcade.replays.io.readers.gopro import read_telemetry

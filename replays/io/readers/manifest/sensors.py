@@ -37,7 +37,7 @@ from motorcade.ga.names import one_line
 from motorcade.replays.io.files import refusal
 from motorcade.replays.io.imu import read_noise
 from motorcade.replays.io.readers.calibration import read_numbers
-from motorcade.replays.io.readers.frames.files import natural
+from motorcade.replays.io.readers.frames.names import natural
 from motorcade.replays.io.readers.kalibr import MOST_OFFSET_S
 from motorcade.replays.io.readers.manifest.section import Section, load_toml
 from motorcade.replays.io.readers.tables import read_table

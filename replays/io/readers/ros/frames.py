@@ -30,8 +30,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import IntArray
 from motorcade.ga.names import one_line
 from motorcade.replays.io.files import open_bounded, refusal
-from motorcade.replays.io.readers.frames.files import FRAME_LIMIT
-from motorcade.replays.io.readers.frames.images import FRAME_PIXELS, image_size
+from motorcade.replays.io.readers.frames.images import FRAME_LIMIT, FRAME_PIXELS, image_size
 from motorcade.replays.io.readers.ros.admission import FILE_LIMIT
 from motorcade.replays.io.readers.ros.reader import Bag
 from motorcade.replays.io.recording import DecodedFrames, DepthArray, Frame, ImageArray
