@@ -55,9 +55,9 @@ _ROUNDS = 4
 FINEST = 0.1
 # Noise of rotations in rad, or positions in m, that is none.
 LEAST = 1e-9
-# Orders of rotations that are smoothed together, the least weight that a pose has there, and noise
-# that is enough for rounding.
-_JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-12, 1e-6
+# Orders of rotations that are smoothed together, the least weight that a pose has there, which
+# leaves a filter's covariances half of their digits, and noise that is enough for rounding.
+_JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-8, 1e-6
 
 # Shares of an error that may be left at the next pose, and how many such memories a path must span
 # for errors to be told from motion.

@@ -13,6 +13,7 @@ from motorcade.fusion.motions.degradations import (
 )
 from motorcade.fusion.motions.motion import Factor, Polynomial, Sines
 from motorcade.fusion.smoothing import smoothed_automatically
+from motorcade.fusion.smoothing.batch.columns import turning_model
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -156,6 +157,15 @@ def test_a_burst_of_wrong_poses_in_a_spin_is_left_out_wherever_it_is(first: int)
     assert not np.any(found.weights[burst])
     assert np.count_nonzero(found.weights == 0.0) < 12
     assert np.all(sizes(found.trajectory, true) < 0.12 * sizes(wrong, true))
+
+
+@pytest.mark.parametrize("run", [1, 2, 8])
+def test_poses_left_out_next_to_an_end_of_a_spin_are_no_failure(run: int) -> None:
+    """A filter that began with them lost all digits of its covariances, and `smooth` raised."""
+    true = MOTIONS["fast_spin"].sampled(20.0, 4.95).rigid
+    noisy, weights = NOISE.apply(true, np.random.default_rng([39, run])), np.ones(len(true))
+    weights[1 : 1 + run] = weights[-1 - run : -1] = 0.0
+    assert turning_model(noisy.time_s, noisy.motors, weights, NOISE.sigma_rad).joint
 
 
 def test_errors_that_last_are_no_motion_beside_a_twist() -> None:
