@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from operator import itemgetter
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -91,15 +92,27 @@ def returned_levels(
 ) -> list[ReturnedLevel]:
     """Runs between two jumps behind which the level is that before; of less than half the poses.
 
-    One offset an axis then explains the poses as well as two jumps do, but for what chance does.
+    One offset an axis then explains the poses as well as two jumps do, but for what chance does. At
+    an end too few poses may have returned for a jump of their own; then the offset must explain
+    them better than the other jump alone does.
     """
-    tried = list[tuple[float, ReturnedLevel]]()
-    for first, last in pairwise(measured.jumps.tolist()):
-        if 2 * np.count_nonzero(weights[first:last]) < len(weights):
-            tried.append(_moved_back(measured, path, weights, models, first, last))
-    most, returned = _quantile(len(models.columns), 1.0 - _FALSE_ALARM), list[ReturnedLevel]()
-    for worse, run in sorted(tried, key=lambda pair: pair[0]):
-        if worse < most and all(run.first > o.last or run.last < o.first for o in returned):
+    count, first_jump, last_jump = len(weights), int(measured.jumps[0]), int(measured.jumps[-1])
+    pairs = [
+        *pairwise(measured.jumps.tolist()),
+        *((row, first_jump) for row in range(1, min(FEWEST_AT_LEVEL, first_jump))),
+        *((last_jump, row) for row in range(max(count - FEWEST_AT_LEVEL, last_jump) + 1, count)),
+    ]
+    most = _quantile(len(models.columns), 1.0 - _FALSE_ALARM)
+    by_jumps = squares_left(measured, path, weights, models)
+    tried, returned = list[tuple[float, ReturnedLevel]](), list[ReturnedLevel]()
+    for first, last in pairs:
+        if 2 * np.count_nonzero(weights[first:last]) < count:
+            left, worse, run = _moved_back(measured, path, weights, models, first, last)
+            both = np.all(np.isin([first, last], measured.jumps))
+            if worse < most and (both or left + most < by_jumps):
+                tried.append((left, run))
+    for _, run in sorted(tried, key=itemgetter(0)):
+        if all(run.first > o.last or run.last < o.first for o in returned):
             returned.append(run)
     return returned
 
@@ -111,9 +124,10 @@ def _moved_back(
     models: AxisModels,
     first: int,
     last: int,
-) -> tuple[float, ReturnedLevel]:
-    """Squared residuals, in the noise's variance, that one offset of a run leaves more than its two
-    jumps do, and the run moved by it: first by its leaps, then by generalised least squares.
+) -> tuple[float, float, ReturnedLevel]:
+    """Squared residuals, in the noise's variance, that one offset of a run leaves, and by how much
+    more than its two jumps do; and the run moved by it: first by its leaps, then by generalised
+    least squares.
     """
     local, retract = measured.representation.local, measured.representation.retract
     leaps = []
@@ -123,12 +137,12 @@ def _moved_back(
         leaps.append(local(path[row : row + 1], usual))
     offset, run = 0.5 * (leaps[0] - leaps[1])[0], slice(first, last)
     coordinates, path = np.array(measured.coordinates), np.array(path)
-    others = np.setdiff1d(measured.jumps, [first, last])
+    others, both = (join(measured.jumps, [first, last]) for join in (np.setdiff1d, np.union1d))
     for _ in range(_ROUNDS_BACK):
         for rows in (coordinates, path):
             rows[run] = retract(rows[run], np.tile(-offset, (last - first, 1)))
         summed, values = developed(replace(measured, coordinates=coordinates), path)
-        worse, offset = 0.0, np.empty(values.shape[1])
+        left, worse, offset = 0.0, 0.0, np.empty(values.shape[1])
         for k, model in enumerate(models.columns):
             noise, unit = least(model.noise, summed[:, k]), np.zeros(len(values))
             unit[run] = noise
@@ -136,13 +150,14 @@ def _moved_back(
             kind = (model.order, model.ratio, model.memory_s)
             free, held = (
                 _columns.spline(measured.time_s, columns, weights, jumps, *kind)[1]
-                for jumps in (measured.jumps, others)
+                for jumps in (both, others)
             )
             product = 0.5 * (held[2] - held[0] - held[1])
             offset[k] = noise * product / held[1]
-            worse += (held[0] - product**2 / held[1] - free[0]) / noise**2
+            squares = held[0] - product**2 / held[1]
+            left, worse = left + squares / noise**2, worse + (squares - free[0]) / noise**2
     moved = retract(coordinates[run], np.tile(-offset, (last - first, 1)))
-    return worse, ReturnedLevel(first, last, moved)
+    return left, worse, ReturnedLevel(first, last, moved)
 
 
 def squares_left(

@@ -129,7 +129,9 @@ def test_turns_without_noise_that_the_chain_leaves_out_come_back(data_dir: Path)
 
 
 @pytest.mark.parametrize("name", ["handheld", "screw", "fast_spin"])
-@pytest.mark.parametrize("rows", [slice(100, 108), slice(60, 160)])
+@pytest.mark.parametrize(
+    "rows", [slice(100, 108), slice(60, 160), slice(387, 398), slice(390, 398), slice(3, 11)]
+)
 def test_a_level_that_returns_is_a_run_of_wrong_poses(name: str, rows: slice) -> None:
     """It was kept as two jumps, with all of its error."""
     rng = np.random.default_rng([35, rows.start, *map(ord, name)])
