@@ -140,7 +140,22 @@ def unpredicted(
             right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
             stay[first:last] = right[:, None] & (near > _AS_SURE * usual)
     path = restored(measured.representation, smoothed.coordinates, like).poses.rigid
-    return stay | _astray(measured.time_s, path, kept)[:, None]
+    stay |= _astray(measured.time_s, path, kept)[:, None]
+    return stay | (~kept[:, None] & (far <= _AS_SURE * _unsure(measured, smoothed)))
+
+
+def _unsure(measured: Measured, smoothed: PerAxisPath) -> FloatArray:
+    """By how much rotations and positions of a path may be off ``(N, 2)``, in rad and m; 0 where
+    that is less than a good pose's noise.
+
+    What is measured no more than √2 times so far from there is expected to be no farther off.
+    """
+    ends, noise = (0, *measured.representation.ends), smoothed.noise**2
+    sizes = np.zeros((len(smoothed.spread), 2))
+    for part, axes in enumerate(slice(*pair) for pair in pairwise(ends)):
+        variance, least = smoothed.spread[:, axes] @ noise[axes], np.sum(noise[axes])
+        sizes[:, part] = np.sqrt(np.where(variance > least, variance, 0.0))
+    return np.asarray(sizes / measured.representation.units, dtype=np.float64)
 
 
 def _astray(time_s: FloatArray, path: Motor, kept: Kept) -> Kept:

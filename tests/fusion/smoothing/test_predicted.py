@@ -208,3 +208,17 @@ def test_a_run_is_wrong_that_the_path_returns_from_for_two_poses() -> None:
         found = smoothed_automatically(Trajectory(noisy.time_ns, wrong))
         kept += np.flatnonzero(found.weights == 0.0).tolist() != [*range(230, 238)]
     assert kept <= 2
+
+
+@pytest.mark.parametrize(
+    ("noise", "seed"),
+    [("bursts of outliers", 672860), ("bursts of outliers", 9001), ("outliers 5 %", 977578)],
+)
+def test_what_is_left_out_stays_where_a_path_is_no_surer(noise: str, seed: int) -> None:
+    """A run's rotations are wrong, but positions were led farther off than they were measured."""
+    true = motion("robot at 1 Hz", Path())
+    assert true is not None
+    one = cell("robot at 1 Hz", noise, true, seed)
+    found = left(smoothed_automatically(one.raw).trajectory, one)
+    assert found.shares[0] < 1.01  # 1.76, 1.86 and 0.59 of the raw path's
+    assert found.e2 < 0.6 if noise == "bursts of outliers" else found.e2 < 0.2

@@ -91,7 +91,8 @@ def test_covariances_stand_in_the_moving_frame_whatever_was_averaged(name: str) 
     taken, rng = REPRESENTATIONS[name], np.random.default_rng(5)
     deviations = smoothed_automatically(noisy, name).deviations
     known = np.isfinite(deviations).all(axis=1)
-    assert np.mean(known) > 0.98
+    # What Euler angles leave out near their gimbal stays as measured.
+    assert np.mean(known | (found.weights == 0.0)) > 0.98
     path, deviations = found.trajectory[known], deviations[known]
     base = taken.coordinates(path.poses)
     draws = [
