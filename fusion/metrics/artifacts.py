@@ -32,7 +32,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import NotObservableError, beside
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -164,15 +164,9 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
         >>> round(found.path_ratio, 3), round(found.peak_rate_ratio, 3), found.spurious_turns
         (1.0, 1.0, 0)
     """
-    path = SmoothPath.through(truth)
-    time_s = path.seconds(estimate.time_ns)
-    kept = np.flatnonzero(path.covers(time_s))
-    if kept.size < 2:
-        raise NotObservableError(
-            f"gimbal index: expected 2 or more stamps within the ground truth, got {kept.size}"
-        )
-    ours, true = estimate.motors[kept].rotor, path.poses(time_s[kept]).rotor
-    steps_s = np.diff(time_s[kept])
+    path, true_path = beside(estimate, truth, 2, "gimbal index")
+    ours, true = path.motors.rotor, true_path.motors.rotor
+    steps_s = 1e-9 * np.diff(path.time_ns)
     turned, true_turned = _steps_rad(ours), _steps_rad(true)
     length = float(np.sum(true_turned))
     if length <= _STILL_RAD:
@@ -287,15 +281,9 @@ def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
 
 
 def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
-    path = SmoothPath.through(truth)
-    time_s = path.seconds(estimate.time_ns)
-    kept = np.flatnonzero(path.covers(time_s))
-    if kept.size < 5:
-        raise NotObservableError(
-            f"overshoot: expected 5 or more stamps within the ground truth, got {kept.size}"
-        )
-    ours, true = estimate.motors[kept], path.poses(time_s[kept])
-    speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s[kept])
+    path, true_path = beside(estimate, truth, 5, "overshoot")
+    ours, true = path.motors, true_path.motors
+    speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / (1e-9 * np.diff(path.time_ns))
     overshoots = []
     for before, stop, after in stops(speed):
         at, segment = true[stop], slice(before, after + 1)

@@ -42,6 +42,7 @@ from motorcade.fusion.metrics.poses.relations import (
 )
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory
+from motorcade.ga.arrays import checked_positive
 
 T = TypeVar("T")
 
@@ -277,15 +278,18 @@ def evaluate_matched(
     aligned, reference = matched.estimate, matched.reference
     delta = Delta() if delta is None else delta
     trans, rot, *others = _relative(ours, true, delta, relations)
-    far_trans, far_rot = _relative(ours, true, _delta_of_length(rpe_length_m))
+    checked_positive(rpe_length_m, "rpe_length_m")
+    far_trans, far_rot = _relative(ours, true, Delta(rpe_length_m, "m"))
     above_hz = _cutoff_hz(energy_above_hz, aligned)
     constant_rad, rest_rad = constant_rotation(ours, true)
+    apart_m = ours.translation_m - true.translation_m
+    x_m, y_m, z_m = np.sqrt(np.mean(apart_m**2, axis=0)).tolist()
     return Evaluation(
         align=matched.align,
         pairs=len(matched.pairs),
         scale=matched.alignment.scale,
         ape_m=Statistics.of(absolute_errors(ours, true, "trans_part")),
-        ape_axes_rmse_m=_by_axis(ours, true),
+        ape_axes_rmse_m=(x_m, y_m, z_m),
         rotation_deg=Statistics.of(absolute_errors(ours, true, "angle_deg")),
         rotation_constant_deg=degrees(constant_rad),
         rotation_rest_deg=Statistics.of(np.rad2deg(rest_rad)),
@@ -313,11 +317,6 @@ def evaluate_matched(
     )
 
 
-def _by_axis(ours: Motor, true: Motor) -> tuple[float, float, float]:
-    x, y, z = np.sqrt(np.mean((ours.translation_m - true.translation_m) ** 2, axis=0)).tolist()
-    return x, y, z
-
-
 def _relative(
     ours: Motor, true: Motor, delta: Delta, relations: Sequence[Relation] = ()
 ) -> list[Statistics | None]:
@@ -326,12 +325,6 @@ def _relative(
     if per_relation is None:
         return [None] * len(wanted)
     return [Statistics.of(errors) if errors.size else None for errors in per_relation]
-
-
-def _delta_of_length(length_m: float) -> Delta:
-    if not 0.0 < length_m < np.inf:
-        raise ValueError(f"rpe_length_m: expected above 0, got {length_m}")
-    return Delta(length_m, "m")
 
 
 def _by_relation(
@@ -372,8 +365,7 @@ def _flat_drift(drift: Sequence[Drift]) -> dict[str, float | int | str | None]:
 
 
 def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:
-    if not 0.0 < wanted_hz < np.inf:
-        raise ValueError(f"energy_above_hz: expected a number above 0, got {wanted_hz}")
+    checked_positive(wanted_hz, "energy_above_hz")
     if len(estimate) < 2:
         return wanted_hz
     return min(wanted_hz, 0.25 / float(np.median(np.diff(estimate.time_s))))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath
+from motorcade.fusion.metrics.smooth_path import NotObservableError, SmoothPath, beside
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.ga.stamps import near_steps
@@ -58,11 +58,16 @@ def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatAr
         >>> linear[:, 2].round(6)
         array([-9.81, -9.81])
     """
-    steps = np.diff(time_s)[:, None]
-    velocity = np.diff(poses.translation_m, axis=0) / steps
-    rate = (poses[:-1].rotor.inverse() @ poses[1:].rotor).as_rotation_vector() / steps
-    between = 0.5 * (steps[1:] + steps[:-1])
+    between = 0.5 * (time_s[2:] - time_s[:-2])[:, None]
+    velocity, rate = _rates(time_s, poses)
     return np.diff(velocity, axis=0) / between, np.diff(rate, axis=0) / between
+
+
+def _rates(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatArray]:
+    """Velocity in the world, angular rate in the moving frame, ``(N-1, 3)`` from pose to pose."""
+    steps = np.diff(time_s)[:, None]
+    turns = (poses[:-1].rotor.inverse() @ poses[1:].rotor).as_rotation_vector()
+    return np.diff(poses.translation_m, axis=0) / steps, turns / steps
 
 
 def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
@@ -98,12 +103,8 @@ def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
         )
     first = int(np.argmax(usable))
     last = usable.size - int(np.argmax(usable[::-1])) + 2
-    time_s, poses, usable = (
-        time_s[first:last],
-        estimate.motors[first:last],
-        usable[first : last - 2],
-    )
-    ours = accelerations(time_s, poses)
+    time_s, usable = time_s[first:last], usable[first : last - 2]
+    ours = accelerations(time_s, estimate.motors[first:last])
     true = accelerations(time_s, path.poses(np.clip(time_s, *path.span_s)))
     linear, angular = (a[usable] - b[usable] for a, b in zip(ours, true, strict=True))
     return Jitter(_rms(linear), _rms(angular))
@@ -243,16 +244,10 @@ def log_dimensionless_jerk(trajectory: Trajectory) -> Smoothness:
             f"log dimensionless jerk: expected 5 or more poses, got {len(trajectory)}"
         )
     time_s, poses = trajectory.time_s, trajectory.motors
-    steps = np.diff(time_s)[:, None]
-    velocity = np.diff(poses.translation_m, axis=0) / steps
-    rate = _turns(poses) / steps
+    velocity, rate = _rates(time_s, poses)
     linear, angular = accelerations(time_s, poses)
     size_m = float(np.max(np.abs(poses.translation_m)))
     return Smoothness(_score(time_s, velocity, linear, size_m), _score(time_s, rate, angular, 1.0))
-
-
-def _turns(poses: Motor) -> FloatArray:
-    return (poses[:-1].rotor.inverse() @ poses[1:].rotor).as_rotation_vector()
 
 
 def _score(
@@ -319,16 +314,9 @@ def energy_excess_above(
         >>> round(energy_excess_above(noisy, true, frequency_hz=5.0).linear_m2_s4)
         1350
     """
-    path = SmoothPath.through(truth)
-    time_s = path.seconds(estimate.time_ns)
-    kept = np.flatnonzero(path.covers(time_s))
-    if kept.size < 2:
-        raise NotObservableError(
-            f"spectral energy: expected 2 or more stamps within the ground truth, got {kept.size}"
-        )
-    ours = estimate[kept]
-    true = Trajectory(ours.time_ns, path.poses(time_s[kept]), truth.parent, truth.child)
-    first, second = jitter_above(ours, frequency_hz), jitter_above(true, frequency_hz)
+    first, second = (
+        jitter_above(path, frequency_hz) for path in beside(estimate, truth, 2, "spectral energy")
+    )
     return EnergyExcess(
         first.linear_m_s2**2 - second.linear_m_s2**2,
         first.angular_rad_s2**2 - second.angular_rad_s2**2,

@@ -23,7 +23,7 @@ from motorcade.fusion.metrics.poses.alignment import (
     folded,
     projected,
 )
-from motorcade.fusion.metrics.poses.pose_error import log_scales, without_scale
+from motorcade.fusion.metrics.poses.pose_error import log_scales
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -106,7 +106,7 @@ def match(
     windowed = start_s is not None or end_s is not None
     if windowed:
         reference = cropped(reference, start_s, end_s)
-    ours, true = without_scale(estimate), without_scale(reference)
+    ours, true = estimate.rigid, reference.rigid
     pairs = associate(
         ours,
         true,
@@ -117,20 +117,18 @@ def match(
     )
     alignment = alignment_of(pairs, align, n_to_align)
     log_scale = _log_scale(estimate, reference, pairs, alignment.scale)
-    ours = alignment.apply_to(_by_offset(ours, checked_offset_ns(offset_s)))
+    offset_ns = checked_offset_ns(offset_s)
+    if offset_ns:
+        ours = replace(ours, time_ns=ours.time_ns + offset_ns)
+    ours = alignment.apply_to(ours)
     if windowed:
         ours = ours[int(pairs.estimate_index.min()) : int(pairs.estimate_index.max()) + 1]
-    aligned = alignment.apply(pairs.estimate)
-    if plane is None:
-        pairs = replace(pairs, estimate=aligned)
-    else:
-        _say_folded(aligned, plane)
+    pairs = replace(pairs, estimate=alignment.apply(pairs.estimate))
+    if plane is not None:
+        _say_folded(pairs.estimate, plane)
         ours, true = (replace(path, poses=projected(path.motors, plane)) for path in (ours, true))
-        pairs = replace(
-            pairs,
-            estimate=projected(aligned, plane),
-            reference=projected(pairs.reference, plane),
-        )
+        both = projected(pairs.estimate, plane), projected(pairs.reference, plane)
+        pairs = replace(pairs, estimate=both[0], reference=both[1])
     return Matched(ours, true, pairs, alignment, align, log_scale)
 
 
@@ -144,10 +142,6 @@ def _say_folded(poses: Motor, plane: Plane) -> None:
             poses.shape[0],
             plane,
         )
-
-
-def _by_offset(path: Trajectory, offset_ns: int) -> Trajectory:
-    return path if offset_ns == 0 else replace(path, time_ns=path.time_ns + offset_ns)
 
 
 def _log_scale(

@@ -8,6 +8,7 @@ continuous velocity, acceleration and angular rate (cubic splines; scipy's `Cubi
 
 from __future__ import annotations
 
+from dataclasses import replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -103,6 +104,25 @@ class SmoothPath:
     def poses(self, time_s: FloatArray) -> Motor:
         """Poses ``(N,)`` at times ``(N,)``."""
         return Motor.from_rotor_translation(self.rotors(time_s), self.positions_m(time_s))
+
+
+def beside(
+    estimate: Trajectory, truth: Trajectory, fewest: int, name: str
+) -> tuple[Trajectory, Trajectory]:
+    """Both at those stamps of the estimate that the ground truth covers.
+
+    Raises:
+        NotObservableError: fewer than `fewest` of them.
+    """
+    path = SmoothPath.through(truth)
+    time_s = path.seconds(estimate.time_ns)
+    kept = np.flatnonzero(path.covers(time_s))
+    if kept.size < fewest:
+        raise NotObservableError(
+            f"{name}: expected {fewest} or more stamps within the ground truth, got {kept.size}"
+        )
+    ours = estimate[kept]
+    return ours, replace(ours, poses=path.poses(time_s[kept]))
 
 
 _FITTED: WeakKeyDictionary[Trajectory, SmoothPath] = WeakKeyDictionary()

@@ -48,7 +48,6 @@ from motorcade.fusion.metrics import (
     position_overshoot_m,
     rotation_overshoot_rad,
 )
-from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions.degradations import (
     Blackouts,
     DroppedFrames,
@@ -194,7 +193,7 @@ FUNCTIONS: dict[str, Callable[[Case], object]] = {
     "cropped": lambda case: cropped(case.noisy, end_s=1e-9 * float(case.time_ns[100])),
     "match": lambda case: match(case.noisy, case.truth, "se3", interpolate=True),
     "associate": lambda case: alignment_of(associate(case.noisy, case.truth), "se3").apply_to(
-        without_scale(case.noisy)
+        case.noisy.rigid
     ),
     "estimate_path": lambda case: estimate_path(case.noisy),
     "automatic_window_s": lambda case: automatic_window_s(case.noisy, case.measured.covariance),

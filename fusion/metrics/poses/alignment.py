@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.names import check_word
 from motorcade.ga.stamps import inside_gaps
 
 Align = Literal["none", "se3", "sim3", "yaw", "scale", "origin", "scaled_origin"]
@@ -168,8 +169,7 @@ def alignment_of(pairs: Pairs, how: Align, n_to_align: int | None = None) -> Ali
         origin True
         se3 True
     """
-    if how not in get_args(Align):
-        raise ValueError(f"align: expected one of {', '.join(get_args(Align))}, got {how!r}")
+    check_word(how, get_args(Align), "align")
     if n_to_align is not None:
         if how not in _FITTED:
             raise ValueError(f"n_to_align: only {', '.join(_FITTED)} are fitted, got align={how!r}")
@@ -211,11 +211,10 @@ def projected(poses: Motor, plane: Plane) -> Motor:
         >>> flat.translation_m + 0.0, flat.rotor.as_rotation_vector().round(6) + 0.0
         (array([1., 2., 0.]), array([0. , 0. , 0.5]))
     """
-    if plane not in get_args(Plane):
-        raise ValueError(f"plane: expected one of {', '.join(get_args(Plane))}, got {plane!r}")
+    check_word(plane, get_args(Plane), "plane")
     normal = _NORMAL[plane]
     vector = np.zeros((*poses.shape, 3))
-    vector[..., normal] = _euler_angle(poses.rotor.as_matrix(), normal)
+    vector[..., normal] = poses.rotor.as_euler("zyx")[..., 2 - normal]
     positions = np.array(poses.translation_m)
     positions[..., normal] = 0.0
     return Motor.from_rotor_translation(Rotor.from_rotation_vector(vector), positions)
@@ -234,23 +233,6 @@ def folded(poses: Motor, plane: Plane) -> NDArray[np.bool_]:
     matrix = poses.rotor.as_matrix()
     backwards = (matrix[..., 0, 0] < 0.0) & (matrix[..., 2, 2] < 0.0)
     return np.asarray(backwards & (plane == "xz"), dtype=np.bool_)
-
-
-def _euler_angle(matrix: FloatArray, axis: int) -> FloatArray:
-    cosine = np.hypot(matrix[..., 0, 0], matrix[..., 1, 0])
-    if axis == 1:
-        middle: FloatArray = np.arctan2(-matrix[..., 2, 0], cosine)
-        return middle
-    # Where the middle angle is a right one only the sum of the others is known: it goes to x.
-    locked = cosine <= 4.0 * np.finfo(np.float64).eps
-    if axis == 0:
-        free = np.arctan2(matrix[..., 2, 1], matrix[..., 2, 2])
-        first: FloatArray = np.where(
-            locked, np.arctan2(-matrix[..., 1, 2], matrix[..., 1, 1]), free
-        )
-        return first
-    last: FloatArray = np.where(locked, 0.0, np.arctan2(matrix[..., 1, 0], matrix[..., 0, 0]))
-    return last
 
 
 # Which poses of two trajectories belong together: the nearest stamps, as evo pairs them.

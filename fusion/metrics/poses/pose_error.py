@@ -10,24 +10,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Rotor, Similarity
 from motorcade.ga.arrays import FloatArray
-
-
-def without_scale(trajectory: Trajectory) -> Trajectory:
-    """The same orientations and positions as rigid poses; the metrics take no others.
-
-    Examples:
-        >>> from motorcade.fusion.metrics.poses.pose_error import without_scale
-        >>> from motorcade.fusion.motions import zoom
-        >>> without_scale(zoom().sampled(30.0, 1.0)).motors.shape
-        (31,)
-    """
-    if isinstance(trajectory.poses, Motor):
-        return trajectory
-    return Trajectory(
-        trajectory.time_ns, trajectory.poses.rigid, trajectory.parent, trajectory.child
-    )
 
 
 def log_scales(poses: Motor | Similarity) -> FloatArray:
@@ -149,29 +133,12 @@ def constant_rotation(estimate: Motor, reference: Motor) -> tuple[float, FloatAr
         >>> round(constant_rad, 6), bool(rest_rad.max() < 1e-9)
         (0.01, True)
     """
-    ours, theirs = estimate.rotor.as_matrix(), reference.rotor.as_matrix()
+    back, theirs = estimate.rotor.inverse(), reference.rotor
     candidates = []
-    of_world = theirs @ np.swapaxes(ours, -1, -2)
-    of_moving = np.swapaxes(ours, -1, -2) @ theirs
-    for apart in (of_world, of_moving):
-        left, _, right = np.linalg.svd(apart.sum(axis=0))
-        turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
-        rest = apart @ turn.T
-        candidates.append((float(_angle(turn)), _angle(rest)))
+    for apart in (theirs @ back, back @ theirs):  # of the world, of the moving frame
+        left, _, right = np.linalg.svd(apart.as_matrix().sum(axis=0))
+        sign = np.linalg.det(left @ right)
+        turn = Rotor.from_matrix(left @ np.diag([1.0, 1.0, sign]) @ right)
+        candidates.append((float(turn.angle()), (apart @ turn.inverse()).angle()))
     constant, rest_rad = min(candidates, key=lambda candidate: float(np.sum(candidate[1] ** 2)))
     return constant, rest_rad
-
-
-def _angle(matrix: FloatArray) -> FloatArray:
-    """Angles ``(*,)`` of rotation matrices, exact near zero too."""
-    skew = np.stack(
-        [
-            matrix[..., 2, 1] - matrix[..., 1, 2],
-            matrix[..., 0, 2] - matrix[..., 2, 0],
-            matrix[..., 1, 0] - matrix[..., 0, 1],
-        ],
-        axis=-1,
-    )
-    trace = np.trace(matrix, axis1=-2, axis2=-1)
-    angle: FloatArray = np.arctan2(np.linalg.norm(skew, axis=-1), trace - 1.0)
-    return angle

@@ -26,7 +26,8 @@ import numpy as np
 from motorcade.fusion.metrics.poses.pose_error import absolute_translation_m
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Rotor
-from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.names import check_word
 
 Relation = Literal[
     "full",
@@ -62,7 +63,7 @@ def absolute_errors(
         [2.]
         [5.385165]
     """
-    _check(relation)
+    check_word(relation, get_args(Relation), "relation")
     if relation == "point_distance_error_ratio":
         raise ValueError(f"relation: absolute errors have no {relation}")
     if relation in ("trans_part", "point_distance"):
@@ -102,23 +103,13 @@ def relative_errors(
         array([10.])
     """
     for relation in relations:
-        _check(relation)
+        check_word(relation, get_args(Relation), "relation")
     first, last = (Delta() if delta is None else delta).ends(estimate, reference)
     blocks = [
-        errors_between(estimate, reference, first[start:end], last[start:end], relations)
-        for start, end in _blocks(first.size)
+        errors_between(estimate, reference, first[part], last[part], relations)
+        for part in (slice(start, start + _BLOCK) for start in range(0, first.size, _BLOCK))
     ]
     return tuple(np.concatenate(parts) for parts in zip(*blocks, strict=True))
-
-
-def _check(relation: str) -> None:
-    if relation not in get_args(Relation):
-        known = ", ".join(get_args(Relation))
-        raise ValueError(f"relation: expected one of {known}, got {relation!r}")
-
-
-def _blocks(count: int) -> list[tuple[int, int]]:
-    return [(start, min(start + _BLOCK, count)) for start in range(0, count, _BLOCK)]
 
 
 def errors_between(
@@ -223,12 +214,8 @@ class Delta:
     pairs_from: PairsFrom = "reference"
 
     def __post_init__(self) -> None:
-        if self.unit not in get_args(DeltaUnit):
-            known = ", ".join(get_args(DeltaUnit))
-            raise ValueError(f"delta unit: expected one of {known}, got {self.unit!r}")
-        if self.pairs_from not in get_args(PairsFrom):
-            known = ", ".join(get_args(PairsFrom))
-            raise ValueError(f"pairs_from: expected one of {known}, got {self.pairs_from!r}")
+        check_word(self.unit, get_args(DeltaUnit), "delta unit")
+        check_word(self.pairs_from, get_args(PairsFrom), "pairs_from")
         most = {"deg": 180.0, "rad": np.pi}.get(self.unit, np.inf)
         if not 0.0 < self.value <= most or not np.isfinite(self.value):
             range_ = "above 0" if most == np.inf else f"above 0 and at most {most:.6g}"
@@ -425,7 +412,7 @@ def drift_by_length(
     starts = np.arange(0, along.size, every)
     drifts = []
     for length_m in lengths_m:
-        _check_length(length_m)
+        checked_positive(length_m, "length_m")
         ends = np.searchsorted(along, along[starts] + length_m, side="right")
         whole = ends < along.size
         if not np.any(whole):
@@ -446,8 +433,3 @@ def drift_by_length(
             f"drift: expected a path longer than one of {tuple(lengths_m)} m, got {along[-1]:.6g} m"
         )
     return tuple(drifts)
-
-
-def _check_length(length_m: float) -> None:
-    if not 0.0 < length_m < np.inf:
-        raise ValueError(f"length_m: expected above 0, got {length_m}")

@@ -25,7 +25,6 @@ from motorcade.fusion.metrics import (
     rotation_rad,
     tilt_rad,
 )
-from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
@@ -152,7 +151,7 @@ def test_similarities_are_judged_by_their_rigid_part_and_their_scale(rng):
     ratios = np.log(estimate.poses.scale / truth.poses.scale)
     assert found.log_scale.rmse == pytest.approx(np.sqrt(np.mean(ratios**2)), rel=1e-12)
     assert found.log_scale.rmse == pytest.approx(0.02, rel=0.15)
-    rigid = evaluate(without_scale(estimate), without_scale(truth))
+    rigid = evaluate(estimate.rigid, truth.rigid)
     assert rigid.log_scale is None
     assert found.ape_m == rigid.ape_m
     assert found.rotation_deg == rigid.rotation_deg

@@ -10,7 +10,6 @@ import pytest
 from scipy import stats
 
 from motorcade.fusion.metrics import log_scales, position_lag_s
-from motorcade.fusion.metrics.poses.pose_error import without_scale
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import (
     Blackouts,
@@ -286,9 +285,9 @@ def test_bad_input_is_refused(make, message):
 def test_similarities_keep_their_scale_and_take_the_same_errors(degradation):
     zooming = MOTIONS["zoom"].sampled(30.0, 20.0)
     degraded = degradation.apply(zooming, np.random.default_rng(4))
-    rigid = degradation.apply(without_scale(zooming), np.random.default_rng(4))
+    rigid = degradation.apply(zooming.rigid, np.random.default_rng(4))
     np.testing.assert_array_equal(degraded.time_ns, rigid.time_ns)
-    found = without_scale(degraded).motors.as_matrix()
+    found = degraded.rigid.motors.as_matrix()
     np.testing.assert_allclose(found, rigid.motors.as_matrix(), rtol=0, atol=1e-12)
     if len(degraded) == len(zooming):
         scales = log_scales(degraded.poses), log_scales(zooming.poses)
