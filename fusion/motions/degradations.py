@@ -7,13 +7,13 @@ unless a size for them is given.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
+from motorcade.ga.arrays import FloatArray, checked_floats
 from motorcade.ga.stamps import check_count
 
 __all__ = [
@@ -81,14 +81,11 @@ def runs(
     ``1 / (1 - share)`` is that of independent poses.
     """
     leave, enter = 1.0 / mean_length, share / ((1.0 - share) * mean_length)
-    chance = rng.random(count)
-    struck = np.empty(count, dtype=np.bool_)
-    now = bool(chance[0] < share)
-    for i in range(count):
-        if i:
-            now = bool(chance[i] >= leave) if now else bool(chance[i] < enter)
-        struck[i] = now
-    return struck
+    first, *chances = rng.random(count).tolist()
+    struck = [first < share]
+    for chance in chances:
+        struck.append(chance >= leave if struck[-1] else chance < enter)
+    return np.array(struck, dtype=np.bool_)
 
 
 def check_number(owner: object, name: str, low: float = 0.0, high: float = np.inf) -> None:
@@ -157,7 +154,7 @@ class Gaussian(Degradation):
             )
         motor, scale = perturbed.poses.as_motor_scale()
         grown = scale * np.exp(self.sigma_log_scale * draws[:, 6])
-        return _with_poses(trajectory, Similarity.from_motor_scale(motor, grown))
+        return replace(trajectory, poses=Similarity.from_motor_scale(motor, grown))
 
 
 @dataclass(frozen=True)
@@ -257,11 +254,9 @@ class PlanarFlips(Degradation):
         at = np.flatnonzero(struck)
         first = starts[np.searchsorted(starts, at, side="right") - 1]
         rigid = trajectory.poses.rigid
-        sine = np.sin(self.tilt_rad)
-        side = side_rad[first]
-        normal = np.stack(
-            [sine * np.cos(side), sine * np.sin(side), np.full(at.size, -np.cos(self.tilt_rad))], -1
-        )
+        side, sine = side_rad[first], np.sin(self.tilt_rad)
+        upright = np.full(at.size, -np.cos(self.tilt_rad))
+        normal = np.stack([sine * np.cos(side), sine * np.sin(side), upright], axis=-1)
         centre_m = rigid[first].apply(np.array([0.0, 0.0, self.distance_m]))
         coefficients = np.array(rigid.coefficients)
         wrong = wrong_planar_pose(rigid[at], centre_m, rigid[first].rotor.apply(normal))
@@ -357,12 +352,8 @@ def _with_rigid(trajectory: Trajectory, rigid: Motor) -> Trajectory:
     """The trajectory with other orientations and positions, and its own scales."""
     poses = trajectory.poses
     if isinstance(poses, Similarity):
-        return _with_poses(trajectory, Similarity.from_motor_scale(rigid, poses.scale))
-    return _with_poses(trajectory, rigid)
-
-
-def _with_poses(trajectory: Trajectory, poses: Motor | Similarity) -> Trajectory:
-    return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+        return replace(trajectory, poses=Similarity.from_motor_scale(rigid, poses.scale))
+    return replace(trajectory, poses=rigid)
 
 
 def _perturbed(trajectory: Trajectory, shift_m: FloatArray, turn_rad: FloatArray) -> Trajectory:
@@ -406,7 +397,7 @@ class StampJitter(Degradation):
         offset = 1e9 * self.sigma_s * rng.standard_normal(time_ns.size)
         gaps = np.concatenate([[np.inf], _REACH * np.diff(time_ns), [np.inf]])
         held = np.clip(offset, -gaps[:-1], gaps[1:])
-        return _stamped(trajectory, time_ns + np.trunc(held).astype(np.int64))
+        return replace(trajectory, time_ns=time_ns + np.trunc(held).astype(np.int64))
 
 
 @dataclass(frozen=True)
@@ -537,9 +528,7 @@ class Latency(Degradation):
 
     def __post_init__(self) -> None:
         check_number(self, "delay_s", 1e-9, 1e6)
-        check_number(self, "spread_s", high=1e6)
-        if self.spread_s > 0.0:
-            check_number(self, "spread_s", 1e-9, 1e6)  # as fine as stamps
+        check_number(self, "spread_s", 1e-9 if self.spread_s > 0.0 else 0.0, 1e6)
 
     def apply(self, trajectory: Trajectory, rng: np.random.Generator) -> Trajectory:
         """Stamp the poses with their arrival, or what is thought to be their time."""
@@ -553,8 +542,5 @@ class Latency(Degradation):
         arrival_ns = trajectory.time_ns + np.round(1e9 * delay_s).astype(np.int64)
         # One nanosecond each, so that poses that arrive together stay in order.
         places = np.arange(count)
-        return _stamped(trajectory, np.maximum.accumulate(arrival_ns - places) + places)
-
-
-def _stamped(trajectory: Trajectory, time_ns: IntArray) -> Trajectory:
-    return Trajectory(time_ns, trajectory.poses, trajectory.parent, trajectory.child)
+        stamps = np.maximum.accumulate(arrival_ns - places) + places
+        return replace(trajectory, time_ns=stamps)

@@ -175,9 +175,7 @@ class Stops(Signal):
         if len(self.levels) < 2:
             raise ValueError(f"Stops.levels: expected 2 or more, got {len(self.levels)}")
         for name in ("move_s", "rest_s"):
-            value = getattr(self, name)
-            if not 0.0 < value < np.inf:
-                raise ValueError(f"Stops.{name}: expected above 0, got {value}")
+            checked_positive(getattr(self, name), f"Stops.{name}")
 
     def derivatives(self, time_s: FloatArray) -> FloatArray:
         """Value and first three derivatives ``(4, *)``."""

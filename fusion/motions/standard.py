@@ -35,6 +35,10 @@ def _drift(size_m: float = 0.3) -> tuple[Factor, ...]:
     )
 
 
+def _rigid(*factors: Factor) -> Motion[Motor]:
+    return Motion(factors, Motor)
+
+
 def _camera_axes() -> Factor:
     """Camera axes (x right, y down, z ahead) on a body that looks along x with z up."""
     level = Motor.from_rotor_translation(Rotor.from_matrix(_FORWARD), np.zeros(3))
@@ -60,15 +64,12 @@ def gimbal_crossing(
         up to 2.06 rad/s
     """
     frequency_hz = peak_rate_rad_s / (2.0 * np.pi * reach_rad)
-    return Motion(
-        (
-            *_drift(),
-            _turn("z", Polynomial((miss_rad,))),
-            _turn("y", Polynomial((0.5 * np.pi,))),
-            _turn("y", Sines.single(reach_rad, frequency_hz, -0.5 * np.pi)),
-            _turn("z", Sines.single(0.25, 0.37)),
-        ),
-        Motor,
+    return _rigid(
+        *_drift(),
+        _turn("z", Polynomial((miss_rad,))),
+        _turn("y", Polynomial((0.5 * np.pi,))),
+        _turn("y", Sines.single(reach_rad, frequency_hz, -0.5 * np.pi)),
+        _turn("z", Sines.single(0.25, 0.37)),
     )
 
 
@@ -83,15 +84,12 @@ def gimbal_hover(radius_rad: float = np.deg2rad(5.0)) -> Motion[Motor]:
         >>> print(f"up to {rate_rad_s.max():.2f} rad/s")
         up to 1.06 rad/s
     """
-    return Motion(
-        (
-            *_drift(),
-            _turn("y", Polynomial((0.5 * np.pi,))),
-            _turn("x", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.31, 0.83), (0.0, 1.1))),
-            _turn("y", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.37, 0.71), (0.8, 2.3))),
-            _turn("z", Sines.single(0.4, 0.41)),
-        ),
-        Motor,
+    return _rigid(
+        *_drift(),
+        _turn("y", Polynomial((0.5 * np.pi,))),
+        _turn("x", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.31, 0.83), (0.0, 1.1))),
+        _turn("y", Sines((0.7 * radius_rad, 0.3 * radius_rad), (0.37, 0.71), (0.8, 2.3))),
+        _turn("z", Sines.single(0.4, 0.41)),
     )
 
 
@@ -108,14 +106,11 @@ def tumble(
         >>> print(f"up to {rate_rad_s.max():.2f} rad/s")
         up to 2.93 rad/s
     """
-    return Motion(
-        (
-            *_drift(),
-            _turn("x", Polynomial((0.0, precession_rad_s))),
-            _turn("y", Polynomial((nutation_rad,))),
-            _turn("x", Polynomial((0.0, spin_rad_s))),
-        ),
-        Motor,
+    return _rigid(
+        *_drift(),
+        _turn("x", Polynomial((0.0, precession_rad_s))),
+        _turn("y", Polynomial((nutation_rad,))),
+        _turn("x", Polynomial((0.0, spin_rad_s))),
     )
 
 
@@ -131,13 +126,10 @@ def screw(rate_rad_s: float = 1.0, pitch_m: float = 0.5, radius_m: float = 0.7) 
         array([0.47, 0.51, 0.23])
     """
     along = np.array([0.0, 0.0, 1.0, 0.0, 0.0, pitch_m / (2.0 * np.pi)])
-    return Motion(
-        (
-            Factor(along, Polynomial((0.0, rate_rad_s))),
-            _shift("y", Polynomial((-radius_m,))),
-            _camera_axes(),
-        ),
-        Motor,
+    return _rigid(
+        Factor(along, Polynomial((0.0, rate_rad_s))),
+        _shift("y", Polynomial((-radius_m,))),
+        _camera_axes(),
     )
 
 
@@ -152,15 +144,12 @@ def distant_circle(
         >>> path.poses.translation_m.std(axis=0).round(2)  # metres
         array([2.89, 2.99, 0.  ])
     """
-    return Motion(
-        (
-            _turn("z", Polynomial((0.0, rate_rad_s))),
-            _turn("z", Sines.single(sway_rad, 0.27)),
-            _shift("x", Polynomial((radius_m,))),
-            _turn("y", Sines.single(0.15, 0.43)),
-            _camera_axes(),
-        ),
-        Motor,
+    return _rigid(
+        _turn("z", Polynomial((0.0, rate_rad_s))),
+        _turn("z", Sines.single(sway_rad, 0.27)),
+        _shift("x", Polynomial((radius_m,))),
+        _turn("y", Sines.single(0.15, 0.43)),
+        _camera_axes(),
     )
 
 
@@ -185,7 +174,7 @@ def handheld(
     axes = "xyz"
     shifts = [_shift(axis, Sines.random(rng, rms_m, band_hz)) for axis in axes]
     turns = [_turn(axis, Sines.random(rng, rms_rad, band_hz)) for axis in axes]
-    return Motion((*shifts, *turns, _camera_axes()), Motor)
+    return _rigid(*shifts, *turns, _camera_axes())
 
 
 def walk_and_look(
@@ -199,19 +188,16 @@ def walk_and_look(
         >>> path.poses.translation_m.std(axis=0).round(2)  # metres
         array([3.76, 0.02, 0.01])
     """
-    return Motion(
-        (
-            _shift("x", Polynomial((0.0, speed_m_s))),
-            _shift("x", Sines.single(0.015, step_hz, 0.6)),
-            _shift("y", Sines.single(0.025, 0.5 * step_hz)),
-            _shift("z", Sines.single(0.02, step_hz, 1.0)),
-            _turn("z", Stops((0.0, look_rad, 0.1, -look_rad, 0.0, 0.3), 1.0, 0.7)),
-            _turn("y", Stops((0.0, 0.3, -0.1, 0.2), 1.1, 1.3)),
-            _turn("x", Sines.single(0.02, 0.5 * step_hz, 0.4)),
-            _turn("y", Sines.single(0.012, step_hz, 2.0)),
-            _camera_axes(),
-        ),
-        Motor,
+    return _rigid(
+        _shift("x", Polynomial((0.0, speed_m_s))),
+        _shift("x", Sines.single(0.015, step_hz, 0.6)),
+        _shift("y", Sines.single(0.025, 0.5 * step_hz)),
+        _shift("z", Sines.single(0.02, step_hz, 1.0)),
+        _turn("z", Stops((0.0, look_rad, 0.1, -look_rad, 0.0, 0.3), 1.0, 0.7)),
+        _turn("y", Stops((0.0, 0.3, -0.1, 0.2), 1.1, 1.3)),
+        _turn("x", Sines.single(0.02, 0.5 * step_hz, 0.4)),
+        _turn("y", Sines.single(0.012, step_hz, 2.0)),
+        _camera_axes(),
     )
 
 
@@ -224,16 +210,13 @@ def stop_and_go(move_s: float = 1.2, rest_s: float = 0.8) -> Motion[Motor]:
         >>> path.poses.translation_m.std(axis=0).round(2)  # metres
         array([0.5 , 0.35, 0.11])
     """
-    return Motion(
-        (
-            _shift("x", Stops((0.0, 0.6, 1.2, 0.5, -0.3), move_s, rest_s)),
-            _shift("y", Stops((0.0, 0.5, -0.4), move_s, rest_s)),
-            _shift("z", Stops((0.0, 0.2, 0.1, -0.1), move_s, rest_s)),
-            _turn("z", Stops((0.0, 0.7, -0.2, 0.4, 1.2, 0.3), move_s, rest_s)),
-            _turn("y", Stops((0.0, 0.3, -0.2), move_s, rest_s)),
-            _camera_axes(),
-        ),
-        Motor,
+    return _rigid(
+        _shift("x", Stops((0.0, 0.6, 1.2, 0.5, -0.3), move_s, rest_s)),
+        _shift("y", Stops((0.0, 0.5, -0.4), move_s, rest_s)),
+        _shift("z", Stops((0.0, 0.2, 0.1, -0.1), move_s, rest_s)),
+        _turn("z", Stops((0.0, 0.7, -0.2, 0.4, 1.2, 0.3), move_s, rest_s)),
+        _turn("y", Stops((0.0, 0.3, -0.2), move_s, rest_s)),
+        _camera_axes(),
     )
 
 
@@ -251,15 +234,12 @@ def fast_spin(rate_rad_s: float = 20.0, swing_rad: float = 0.8) -> Motion[Motor]
         up to 21.76 rad/s
     """
     swing_hz = 0.35
-    return Motion(
-        (
-            *_drift(),
-            _turn("x", Polynomial((0.5,))),
-            _turn("z", Polynomial((0.0, rate_rad_s))),
-            _turn("z", Sines.single(swing_rad, swing_hz)),
-            _camera_axes(),
-        ),
-        Motor,
+    return _rigid(
+        *_drift(),
+        _turn("x", Polynomial((0.5,))),
+        _turn("z", Polynomial((0.0, rate_rad_s))),
+        _turn("z", Sines.single(swing_rad, swing_hz)),
+        _camera_axes(),
     )
 
 
@@ -278,13 +258,10 @@ def antipodal_crossing(period_s: float = 8.0) -> Motion[Motor]:
     """
     axis = np.array([0.36, 0.48, 0.8, 0.0, 0.0, 0.0])
     half = 0.75 * np.pi
-    return Motion(
-        (
-            *_drift(),
-            Factor(axis, Polynomial((half,))),
-            Factor(axis, Sines.single(half, 1.0 / period_s, -0.5 * np.pi)),
-        ),
-        Motor,
+    return _rigid(
+        *_drift(),
+        Factor(axis, Polynomial((half,))),
+        Factor(axis, Sines.single(half, 1.0 / period_s, -0.5 * np.pi)),
     )
 
 
