@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike
 
 from motorcade.ga import Motor, Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, frozen
+from motorcade.ga.motion import cross
+from motorcade.ga.stamps import checked_stamps
 
 ROTATION, POSITION, VELOCITY, GYRO_BIAS, ACCEL_BIAS = (slice(3 * i, 3 * i + 3) for i in range(5))
 TILT, EXTRINSICS, OFFSET, EARLIER = slice(15, 17), slice(17, 23), 23, slice(24, 30)
@@ -37,18 +39,13 @@ _STEP = 1e-5
 
 
 def skew(vector: FloatArray) -> FloatArray:
-    """The matrix ``(3, 3)`` of the cross product with a vector ``(3,)``."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    """Matrices ``(*, 3, 3)`` of the cross product with vectors ``(*, 3)`` from the left."""
+    return cross(np.eye(3), vector[..., None, :])
 
 
 def turn(angles: FloatArray) -> FloatArray:
     """``Exp(φ)`` as a matrix ``(3, 3)``."""
-    angle = float(np.linalg.norm(angles))
-    across = skew(angles)
-    first, second = np.sinc(angle / np.pi), 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    rotation: FloatArray = np.eye(3) + first * across + second * across @ across
-    return rotation
+    return Rotor.from_rotation_vector(angles).as_matrix()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -321,30 +318,6 @@ def checked_rows(value: ArrayLike, name: str, count: int, trailing: tuple[int, .
     return frozen(array)
 
 
-def checked_vector(value: ArrayLike, name: str) -> FloatArray:
-    """Three finite numbers ``(3,)``, read-only.
-
-    Raises:
-        ValueError: another shape, NaN or infinity.
-    """
-    array = checked_floats(value, name, (3,))
-    if array.shape != (3,):
-        raise ValueError(f"{name}: expected three numbers, got shape {array.shape}")
-    return frozen(array)
-
-
-def checked_stamps(value: ArrayLike, name: str) -> IntArray:
-    """Stamps ``(N,)`` as int64.
-
-    Raises:
-        ValueError: no integers, or another shape.
-    """
-    array = np.asarray(value)
-    if array.dtype.kind != "i" or array.ndim != 1:
-        raise ValueError(f"{name}: expected integer nanoseconds (N,), got {array.dtype}")
-    return array.astype(np.int64)
-
-
 def spread(value: ArrayLike, name: str, count: int, size: int) -> FloatArray:
     """Covariances ``(N, m, m)`` of one for all ``(m, m)`` or one each; of m = 1 also variances.
 
@@ -379,6 +352,8 @@ def set_checked(
         ValueError: stamps that are no integers ``(N,)``, another shape, NaN or infinity.
     """
     stamps = checked_stamps(kind.time_ns, "time_ns")
+    if stamps.ndim != 1:
+        raise ValueError(f"time_ns: expected shape (N,), got {stamps.shape}")
     count = len(stamps)
     object.__setattr__(kind, "time_ns", stamps)
     for name, shape in rows.items():
@@ -387,5 +362,8 @@ def set_checked(
         own = spread(kind.covariance, "covariance", count, size)
         object.__setattr__(kind, "covariance", own)
     for name in vectors:
-        object.__setattr__(kind, name, checked_vector(getattr(kind, name), name))
+        vector = checked_floats(getattr(kind, name), name, (3,))
+        if vector.shape != (3,):
+            raise ValueError(f"{name}: expected three numbers, got shape {vector.shape}")
+        object.__setattr__(kind, name, frozen(vector))
     return count

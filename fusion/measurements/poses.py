@@ -18,13 +18,13 @@ from motorcade.fusion.measurements.interface import (
     VELOCITY,
     Measurements,
     PredictedState,
-    checked_stamps,
     set_checked,
     skew,
     spread,
 )
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.stamps import checked_stamps
 from motorcade.tracking.cameras.camera import Camera, by_twist
 
 
@@ -158,10 +158,8 @@ class RelativePoseMeasurements(Measurements):
         return self.earlier_ns
 
     def _predicted(self, state: PredictedState) -> Motor:
-        earlier, later = (
-            pose @ self.imu_T_body for pose in (state.earlier_world_T_imu, state.world_T_imu)
-        )
-        return earlier.inverse() @ later
+        earlier = state.earlier_world_T_imu @ self.imu_T_body
+        return earlier.inverse() @ state.world_T_imu @ self.imu_T_body
 
     def residual(self, row: int, state: PredictedState) -> FloatArray:
         """The twist ``(6,)`` from the predicted step to the measured one."""

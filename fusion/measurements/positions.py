@@ -280,10 +280,8 @@ class BodyVelocityMeasurements(Measurements):
         Raises:
             ValueError: deviations that are not above zero.
         """
-        along, across = (
-            checked_positive(value, name) ** 2
-            for value, name in ((sigma_m_s, "sigma_m_s"), (slip_sigma_m_s, "slip_sigma_m_s"))
-        )
+        along = checked_positive(sigma_m_s, "sigma_m_s") ** 2
+        across = checked_positive(slip_sigma_m_s, "slip_sigma_m_s") ** 2
         speed = checked_rows(speed_m_s, "speed_m_s", len(time_ns), ())
         return cls(
             time_ns=time_ns,
@@ -478,14 +476,9 @@ class GeodeticOrigin:
 def _checked(
     latitude_deg: ArrayLike, longitude_deg: ArrayLike, height_m: ArrayLike
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    latitude, longitude, height = (
-        checked_floats(value, name, ())
-        for value, name in (
-            (latitude_deg, "latitude_deg"),
-            (longitude_deg, "longitude_deg"),
-            (height_m, "height_m"),
-        )
-    )
+    latitude = checked_floats(latitude_deg, "latitude_deg", ())
+    longitude = checked_floats(longitude_deg, "longitude_deg", ())
+    height = checked_floats(height_m, "height_m", ())
     if latitude.shape != longitude.shape or latitude.shape != height.shape:
         raise ValueError(
             "latitude_deg, longitude_deg, height_m: expected one shape, got "

@@ -1,7 +1,7 @@
 """What monocular SLAM left behind, and an IMU: a metric map, and one path through darkness.
 
-`metric_map` starts, and adjusts keyframes and points; `fuse_map` adds the filter, for the frames
-between and where the camera saw nothing.
+`metric_map` starts, and adjusts keyframes and points; `fuse` with its measurements adds the frames
+between, and where the camera saw nothing.
 
 Examples:
     A map of forty points along three seconds, in units of two metres:
@@ -32,12 +32,18 @@ Examples:
     >>> history = SlamHistory(path.time_ns, ("tracking",) * len(path), none, none, none, ())
     >>> result = SlamResult(path, covariance, history, path, snapshot, (), False, (), {})
 
-    >>> from motorcade.fusion.visual_inertial.sequence import fuse_map
-    >>> made = fuse_map(result, camera, sensor.stream, ADIS16448, imu_T_camera=Motor.identity())
-    >>> made.fused.trajectory, bool(abs(made.start.world_T_visual.scale - 2.0) < 0.05)
-    (Trajectory(world_T_camera, 61 poses, 3.000 s), True)
-    >>> bool(np.median(made.keyframes.error_px) < 0.1)
+    >>> from motorcade.fusion import fuse
+    >>> from motorcade.fusion.visual_inertial import metric_map
+    >>> imu, on_imu = sensor.stream, Motor.identity()
+    >>> found = metric_map(result, camera, imu, ADIS16448, imu_T_camera=on_imu)
+    >>> bool(abs(found.start.world_T_visual.scale - 2.0) < 0.05)
     True
+    >>> bool(np.median(found.keyframes.error_px) < 0.1)
+    True
+    >>> stamps_ns = np.asarray(result.time_ns)
+    >>> fused = fuse(found.measurements, imu, ADIS16448, on_imu, stamps_ns, fits_noise=False)
+    >>> fused.trajectory
+    Trajectory(world_T_camera, 61 poses, 3.000 s)
 """
 
 from __future__ import annotations
@@ -46,7 +52,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from motorcade.fusion.filter import Fused, fuse
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.visual_inertial.readout import as_recorded
@@ -87,44 +92,6 @@ class MetricMap:
     metres_a_unit: float
 
 
-@dataclass(frozen=True, eq=False)
-class FusedMap:
-    """The path at all stamps, the keyframes and points under it, and what they started from."""
-
-    fused: Fused
-    keyframes: VisualInertial
-    start: InertialStart
-
-
-def fuse_map(
-    result: SlamResult,
-    camera: Camera,
-    imu: ImuStream,
-    noise: ImuNoise,
-    imu_T_camera: Motor,
-    stamps_ns: IntArray | None = None,
-    readout_s: float = 0.0,
-) -> FusedMap:
-    """Fuse a finished run of visual SLAM with an IMU.
-
-    Args:
-        result: one map, its unit free or metres; frames without a pose are bridged.
-        camera: what SLAM ran with.
-        imu: the stream, on the camera's clock; frames outside it are left out.
-        noise: its densities and walks.
-        imu_T_camera: pose of the camera on the IMU.
-        stamps_ns: where the path is wanted; by default at all frames from the first pose on.
-        readout_s: from the first row of an image to the last; see `adjust_visual_inertial`.
-
-    Raises:
-        ValueError: a run without poses, or what `start_inertial` and `fuse` refuse.
-    """
-    metric = metric_map(result, camera, imu, noise, imu_T_camera, readout_s)
-    wanted = np.asarray(result.time_ns) if stamps_ns is None else stamps_ns
-    path = fuse(metric.measurements, imu, noise, imu_T_camera, wanted, fits_noise=False)
-    return FusedMap(path, metric.keyframes, metric.start)
-
-
 def metric_map(
     result: SlamResult,
     camera: Camera,
@@ -133,7 +100,19 @@ def metric_map(
     imu_T_camera: Motor,
     readout_s: float = 0.0,
 ) -> MetricMap:
-    """Give a finished run of visual SLAM metres and up; arguments and errors as of `fuse_map`."""
+    """Give a finished run of visual SLAM metres and up.
+
+    Args:
+        result: one map, its unit free or metres.
+        camera: what SLAM ran with.
+        imu: the stream, on the camera's clock; frames outside it are left out.
+        noise: its densities and walks.
+        imu_T_camera: pose of the camera on the IMU.
+        readout_s: from the first row of an image to the last; see `adjust_visual_inertial`.
+
+    Raises:
+        ValueError: a run without poses, or what `start_inertial` refuses.
+    """
     path, snapshot = result.trajectory, result.map
     if path is None:
         raise ValueError("result: expected a run of SLAM that found poses, got none")

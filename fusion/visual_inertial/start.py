@@ -215,8 +215,7 @@ def _system(
     back, identity = turn[:-1].swapaxes(-1, -2), np.eye(3)
     matrix = np.zeros((2, count, 3, 3 * (count + 1) + 4))
     for k in range(count):
-        at = slice(3 * k, 3 * k + 3)
-        after = slice(3 * k + 3, 3 * k + 6)
+        at, after = slice(3 * k, 3 * k + 3), slice(3 * k + 3, 3 * k + 6)
         matrix[0, k][:, at] = -back[k] * dt[k]
         matrix[1, k][:, at], matrix[1, k][:, after] = -back[k], back[k]
     matrix[0, :, :, -4:-1] = -0.5 * back @ identity * dt**2

@@ -9,19 +9,13 @@ heading of the first keyframe are held. Source: T. Qin, P. Li, S. Shen, VINS-Mon
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.graph.inertial import (
-    InertialGraph,
-    as_motor,
-    as_pose,
-    as_poses,
-    optimised,
-)
+from motorcade.fusion.graph.inertial import InertialGraph, as_motor, as_pose, as_poses, optimised
 from motorcade.fusion.graph.shared import SharedUnknowns, keys
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
@@ -31,6 +25,7 @@ from motorcade.fusion.visual_inertial.readout import (
     rows_later_s,
     rows_moved_px,
 )
+from motorcade.fusion.visual_inertial.window import held_pose_covariance
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats, checked_positive, frozen
 from motorcade.tracking.cameras.camera import Camera
@@ -43,8 +38,6 @@ if TYPE_CHECKING:
 _ITERATIONS = 50
 _RELATIVE = 1e-6
 _READOUT_ROUNDS = 2
-_HELD_SIGMA = 1e-5
-_TILT_SIGMA_RAD = 0.3
 # Landmarks hardly seen from two sides stay where they were, to a hundred metres.
 _LANDMARK_SIGMA_M = 100.0
 
@@ -193,9 +186,7 @@ def _at_stamp(
         observations.keyframe,
         adjusted.landmarks_m[observations.landmark],
     )
-    return LandmarkObservations(
-        observations.keyframe, observations.landmark, observations.px - moved
-    )
+    return replace(observations, px=observations.px - moved)
 
 
 def _checked(
@@ -226,15 +217,12 @@ def _inertial(
     keyframes: Trajectory, imu: ImuStream, noise: ImuNoise, gravity_m_s2: float
 ) -> InertialGraph:
     """The chain of keyframes without any measured pose."""
-    stamps = keyframes.time_ns
-    data = imu.around(stamps)
-    none = np.full(len(stamps), -1)
     return InertialGraph(
-        time_ns=stamps,
-        imu=data,
+        time_ns=keyframes.time_ns,
+        imu=imu.around(keyframes.time_ns),
         noise=noise,
         gravity_m_s2=gravity_m_s2,
-        measured=none,
+        measured=np.full(len(keyframes), -1),
         world_T_imu=Motor.identity((0,)),
         covariance=np.zeros((0, 6, 6)),
         gates=[],
@@ -265,11 +253,7 @@ def _add_states(
             factors.push_back(graph.motion(index, graph.summed(index, bias)))
     for prior in graph.priors():
         factors.push_back(prior)
-    # Held: position, and heading, which is the turn about the world's z in the IMU's axes.
-    up = start[0].rotor.as_matrix()[2]
-    spread = np.diag(np.repeat([_TILT_SIGMA_RAD**2, _HELD_SIGMA**2], 3))
-    spread[:3, :3] -= (_TILT_SIGMA_RAD**2 - _HELD_SIGMA**2) * np.outer(up, up)
-    model = gtsam.noiseModel.Gaussian.Covariance(spread)
+    model = gtsam.noiseModel.Gaussian.Covariance(held_pose_covariance(start[0]))
     factors.push_back(gtsam.PriorFactorPose3(keys(0).pose, as_pose(start[0]), model))
 
 
@@ -381,16 +365,7 @@ def add_observations(
     imu_T_camera: Motor,
     sigma_px: float,
 ) -> None:
-    """Add factors between poses and landmarks, with Huber's loss.
-
-    Args:
-        factors: the graph.
-        observations: what was seen.
-        rows: ``(m,)`` which of them.
-        camera: with its distortion.
-        imu_T_camera: pose of the camera on the IMU.
-        sigma_px: noise of a pixel coordinate.
-    """
+    """Add factors between poses and landmarks, of rows ``(m,)`` of what was seen; Huber's loss."""
     import gtsam
 
     loss = gtsam.noiseModel.mEstimator.Huber.Create(_HUBER)
@@ -399,11 +374,8 @@ def add_observations(
         pose = keys(int(observations.keyframe[row])).pose
         point = gtsam.symbol("l", int(observations.landmark[row]))
         model = gtsam.noiseModel.Robust.Create(loss, noise)
-        factors.push_back(
-            gtsam.GenericProjectionFactorCal3_S2(
-                seen, model, pose, point, lens, False, False, extrinsics
-            )
-        )
+        between = seen, model, pose, point, lens, False, False, extrinsics
+        factors.push_back(gtsam.GenericProjectionFactorCal3_S2(*between))
 
 
 def _pinholes(

@@ -21,12 +21,9 @@ from motorcade.fusion.filter.extended_pose import extended_pose
 from motorcade.fusion.filter.settings import VELOCITY_SIGMA_M_S
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S, ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
+from motorcade.fusion.measurements.interface import skew
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
-from motorcade.fusion.visual_inertial.readout import (
-    Readout,
-    camera_twist_rate,
-    rows_moved_px,
-)
+from motorcade.fusion.visual_inertial.readout import Readout, camera_twist_rate, rows_moved_px
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.ga.stamps import LONGEST_BRIDGE_S
@@ -120,9 +117,8 @@ class InertialAdjuster:
         minimum = minimise(start, problem.evaluated, problem.retracted, Stop(iterations, _GAIN))
         state, end = minimum.state, minimum.evaluation
         for row in np.flatnonzero(~bundle.fixed):
-            self.motions[int(time_ns[row])] = KeyframeMotion(
-                state.velocity_m_s[row], state.bias[row]
-            )
+            motion = KeyframeMotion(state.velocity_m_s[row], state.bias[row])
+            self.motions[int(time_ns[row])] = motion
         return AdjustedBundle(
             state.world_T_camera, state.points, end.error_px, end.cost, minimum.start_cost
         )
@@ -235,20 +231,9 @@ class _Prior:
         pose = problem.bundle.world_T_camera[row] @ problem.camera_T_imu
         if problem.bundle.fixed[row]:
             return cls(-1, pose, np.zeros((15, 15)))
-        up = pose.rotor.as_matrix()[2]
-        spread = np.diag(
-            np.repeat(
-                [
-                    _TILT_SIGMA_RAD**2,
-                    _HELD_SIGMA**2,
-                    VELOCITY_SIGMA_M_S**2,
-                    GYRO_BIAS_SIGMA_RAD_S**2,
-                    ACCEL_BIAS_SIGMA_M_S2**2,
-                ],
-                3,
-            )
-        )
-        spread[:3, :3] -= (_TILT_SIGMA_RAD**2 - _HELD_SIGMA**2) * np.outer(up, up)
+        rest = VELOCITY_SIGMA_M_S, GYRO_BIAS_SIGMA_RAD_S, ACCEL_BIAS_SIGMA_M_S2
+        spread = np.diag(np.repeat([0.0, 0.0, *rest], 3) ** 2)
+        spread[:6, :6] = held_pose_covariance(pose)
         return cls(row, pose, sigma_px**2 * np.linalg.inv(spread))
 
     def residual(self, world_T_imu: Motor, velocity: FloatArray, bias: FloatArray) -> FloatArray:
@@ -349,10 +334,10 @@ class _Evaluated:
         eye = np.eye(3)
         before, after = np.zeros((2, count, 15, 15))
         before[:, 0:3, 0:3] = -turned
-        before[:, 3:6, 0:3] = turned @ _cross(shift)
+        before[:, 3:6, 0:3] = turned @ skew(shift)
         before[:, 3:6, 3:6] = -turned
         before[:, 3:6, 6:9] = -turned @ back * dt
-        before[:, 6:9, 0:3] = turned @ _cross(speed)
+        before[:, 6:9, 0:3] = turned @ skew(speed)
         before[:, 6:9, 6:9] = -turned @ back
         before[:, :9, 9:] = -problem.summed.bias_jacobian
         before[:, 9:, 9:] = -np.eye(6)
@@ -381,14 +366,6 @@ def _gained(world_T_imu: Motor, velocity_m_s: FloatArray, problem: _Problem) -> 
     gained = velocity_m_s[problem.other] - speed - fall * dt
     back = start.rotor.inverse()
     return extended_pose(back @ end.rotor, back.apply(shift), back.apply(gained))
-
-
-def _cross(vectors: FloatArray) -> FloatArray:
-    """Matrices ``(*, 3, 3)`` of the cross product from the left."""
-    matrix = np.zeros((*vectors.shape, 3))
-    x, y, z = np.moveaxis(vectors, -1, 0)
-    matrix[..., 0, 1], matrix[..., 0, 2], matrix[..., 1, 2] = -z, y, -x
-    return matrix - np.swapaxes(matrix, -1, -2)
 
 
 _NO_LINKS = Preintegrated(
@@ -427,6 +404,17 @@ def summed_links(
         Motor(motion),
         *(np.concatenate([getattr(part, name) for part in parts]) for name in rest),
     )
+
+
+def held_pose_covariance(world_T_imu: Motor) -> FloatArray:
+    """Of a first pose ``(6, 6)`` whose position and heading are held: what its tilt leaves free.
+
+    The heading is the turn about the world's z in the IMU's axes.
+    """
+    up = world_T_imu.rotor.as_matrix()[2]
+    covariance = np.diag(np.repeat([_TILT_SIGMA_RAD, _HELD_SIGMA], 3) ** 2)
+    covariance[:3, :3] -= (_TILT_SIGMA_RAD**2 - _HELD_SIGMA**2) * np.outer(up, up)
+    return covariance
 
 
 class GrowingImu:

@@ -38,7 +38,7 @@ ELSEWHERE = {
     # they run what they are given
     "seconds_per_pose",
     # `start_inertial` and `preintegrate`, which refuse for them, are tried
-    "adjust_visual_inertial", "fuse_map", "metric_map",
+    "adjust_visual_inertial", "metric_map",
     # it wants ten seconds without a gap, and is tried below
     "VibrationSpectrum",
 }  # fmt: skip

@@ -17,11 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.fusion import fuse
 from motorcade.fusion.imu import ADIS16448, ImuStream
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.visual_inertial import InertialSlam, InertialSlamResult
 from motorcade.fusion.visual_inertial.online import InertialFrame
-from motorcade.fusion.visual_inertial.sequence import fuse_map
+from motorcade.fusion.visual_inertial.sequence import metric_map
 from motorcade.ga import Motor, Trajectory
 from motorcade.tracking.slam import VisualSlam
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu
@@ -77,7 +78,9 @@ def _measured(room: Scenario, beside: bool) -> dict[str, Any]:
     found = slam.finish()
     judged = _judged(room, truth, frames, found) | {"scale_error_after_10_s": scale_error}
     if beside:
-        path = fuse_map(plain.finish(), camera, imu, ADIS16448, IMU_T_CAMERA).fused.trajectory
+        result, sensor = plain.finish(), (imu, ADIS16448, IMU_T_CAMERA)
+        measured, wanted = metric_map(result, camera, *sensor).measurements, result.time_ns
+        path = fuse(measured, *sensor, np.asarray(wanted), fits_noise=False).trajectory
         judged["adjustment_ape_rmse_m"] = evaluate(path, truth, align="se3").ape_m.rmse
     return judged
 

@@ -11,9 +11,12 @@ from collections.abc import Mapping
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
+from motorcade.fusion import fuse
 from motorcade.fusion.imu import ADIS16448
 from motorcade.fusion.metrics import evaluate
-from motorcade.fusion.visual_inertial.sequence import fuse_map
+from motorcade.fusion.visual_inertial.sequence import metric_map
 from motorcade.tracking.slam import VisualSlam
 from tests.textured_room.inertial import IMU_T_CAMERA, simulated_imu
 from tests.textured_room.scenarios import Scenario, scenario
@@ -39,8 +42,9 @@ def _measured(room: Scenario) -> dict[str, Any]:
         slam.track(time_ns, view.gray)
     result = slam.finish()
     tracked = perf_counter()
-    found = fuse_map(result, camera, simulated_imu(room), ADIS16448, IMU_T_CAMERA)
-    path = found.fused.trajectory
+    sensor = simulated_imu(room), ADIS16448, IMU_T_CAMERA
+    found, wanted = metric_map(result, camera, *sensor), np.asarray(result.time_ns)
+    path = fuse(found.measurements, *sensor, wanted, fits_noise=False).trajectory
     rigid = evaluate(path, truth, align="se3")
     return {
         "frames": len(truth),
