@@ -167,13 +167,10 @@ class ForceTrial:
         """How well the gyroscope's axes and extrinsics, but not its unit, explain the readings."""
         if of_rates is None or of_rates.state != "named":
             return None
-        own = bases[of_rates.base]
-        turned = replace(own, block=np.einsum("naij,il->nalj", own.block, of_rates.turn))
-        permuted = replace(
-            turned, block=np.einsum("nalj,jm->nalm", turned.block, of_rates.permutation.T)
-        )
-        judged = judge_stated(permuted, -NEEDED)
-        permutation, turn = of_rates.permutation, of_rates.turn
+        own, permutation, turn = bases[of_rates.base], of_rates.permutation, of_rates.turn
+        turned = np.einsum("naij,il->nalj", own.block, turn)
+        block = np.einsum("nalj,jm->nalm", turned, permutation.T)
+        judged = judge_stated(replace(own, block=block), -NEEDED)
         return replace(judged, base=of_rates.base, permutation=permutation, turn=turn)
 
     def _bases(self) -> dict[Base, AxesEvidence]:
@@ -333,13 +330,11 @@ def _hat(at: IntArray, first: IntArray, middle: IntArray, last: IntArray) -> Flo
     rising = (at - first) / (middle - first)
     falling = (last - at) / (last - middle)
     weight = np.minimum(rising, falling)
-    normalised: FloatArray = weight / np.sum(weight, axis=1, keepdims=True)
-    return normalised
+    return np.asarray(weight / np.sum(weight, axis=1, keepdims=True))
 
 
 def _mean_force(imu: ImuStream, ends_ns: IntArray) -> FloatArray:
     """Means ``(K, parts, 3)`` of the force between stamps ``(K, parts + 1)``."""
     at = RunningIntegral(imu.time_ns, imu.specific_force_m_s2).at(ends_ns.ravel())
     moved = np.diff(at.reshape(*ends_ns.shape, 3), axis=1)
-    means: FloatArray = moved / (np.diff(ends_ns, axis=1) * 1e-9)[..., None]
-    return means
+    return moved / (np.diff(ends_ns, axis=1) * 1e-9)[..., None]

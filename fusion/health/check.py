@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from motorcade.fusion.health.accelerometer import (
-    FORCE_UNITS,
-    ForceTrial,
-    ForceVerdict,
-    Pushes,
-)
+from motorcade.fusion.health import verdict as say
+from motorcade.fusion.health.accelerometer import FORCE_UNITS, ForceTrial, ForceVerdict, Pushes
 from motorcade.fusion.health.gyroscope import (
     LAG_TOLERANCE_S,
     RATE_UNITS,
@@ -31,31 +27,10 @@ from motorcade.fusion.health.models import (
     same_turns,
 )
 from motorcade.fusion.health.readings import check_stamps, find_stuck_axes
-from motorcade.fusion.health.verdict import (
-    POSES_INVERTED,
-    FaultName,
-    Health,
-    HealthFinding,
-    bias_lines,
-    bias_step_line,
-    delay_line,
-    drift_line,
-    gravity_line,
-    inverted_line,
-    mirrored_line,
-    own_axes_line,
-    position_line,
-    scale_line,
-    shared_axes_line,
-    size_line,
-    tell_both,
-    unit_line,
-    unknown_lines,
-    unrelated_line,
-)
+from motorcade.fusion.health.verdict import Health, HealthFinding
 from motorcade.fusion.imu.noise import GYRO_BIAS_SIGMA_RAD_S
 from motorcade.fusion.imu.screening import saturated_axes
-from motorcade.fusion.imu.stream import GRAVITY_SHARE, ImuStream
+from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 
@@ -138,7 +113,7 @@ def check_health(
         if other is not None:
             return Health((other,))
     if rates.state == "unrelated":
-        return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
+        return Health((say.unrelated(rates, search_s),))
     offset_s = time_offset_s + rates.lag_s
     if rates.explained and rates.axes is not None:
         base = turn if rates.axes.base == "stated" else turn.T
@@ -147,27 +122,29 @@ def check_health(
         camera = camera[kept] if np.any(kept) else camera
     pushes = Pushes.of(camera, imu, offset_s, _MOST_WINDOWS)
     trial = ForceTrial(pushes, imu_T_camera, extrinsics_known, gravity_m_s2, up, lean_sigma_rad)
-    stories = judge_jointly(rates, trial)
-    rates, forces = stories[0].rates, stories[0].forces
+    hypotheses = judge_jointly(rates, trial)
+    rates, forces = hypotheses[0]
     scale = None if forces.state == "named" and forces.agrees else trial.position_scale()
     if scale is not None:
-        rate_findings = _units(rates, replace(forces, state="unknown"))
-        return Health((*rate_findings, HealthFinding("position_unit", position_line(scale))))
+        of_rates = _units(rates, replace(forces, state="unknown"))
+        return Health((*of_rates, say.position_unit(scale)))
     if not rates.explained and forces.state == "unexplained":
-        return Health((HealthFinding("unrelated", unrelated_line(rates, search_s)),))
+        return Health((say.unrelated(rates, search_s),))
     findings = _units(rates, forces)
     if rates.explained and rates.late and abs(rates.lag_s) > SIGMAS * time_offset_sigma_s:
-        findings.append(HealthFinding("delay", delay_line(rates)))
+        findings.append(say.delay(rates))
     estimated_rad = SIGMAS * extrinsics_sigma_rad if extrinsics_known else np.pi
-    findings += tell_both([_axes(one.rates, one.forces, estimated_rad) for one in stories])
-    findings += [*_gravity(forces, gravity_m_s2), *bias_lines(rates, forces)]
+    findings += say.both([_axes(*sensors, estimated_rad) for sensors in hypotheses])
+    if forces.state == "gravity":
+        findings.append(say.gravity(forces, gravity_m_s2))
+    findings += say.unexplained(rates, forces)
     share = trial.size_share() if forces.state == "sound" else None
     if share is not None:
-        findings.append(HealthFinding("force_scale", size_line(share, gravity_m_s2)))
+        findings.append(say.force_scale(share, gravity_m_s2))
     saturated = saturated_axes(imu)
     if saturated:
         findings.append(HealthFinding("saturated", "; ".join(saturated)))
-    return Health(tuple(findings), unknown_lines(rates, forces))
+    return Health(tuple(findings), say.unknown(rates, forces))
 
 
 def _inverted_or_changing(
@@ -182,7 +159,7 @@ def _inverted_or_changing(
         Trajectory(camera.time_ns, camera.motors.inverse(), camera.child, camera.parent)
     )
     if inverse.state == "sound" and not inverse.late:
-        return HealthFinding("poses_inverted", POSES_INVERTED)
+        return say.POSES_INVERTED
     middle = len(camera) // 2
     if middle < 2:
         return None
@@ -193,11 +170,11 @@ def _inverted_or_changing(
         sigma_s = float(np.hypot(first.lag_sigma_s, second.lag_sigma_s))
         if abs(lag_s) > np.hypot(LAG_TOLERANCE_S, SIGMAS * sigma_s):
             apart_s = 0.5e-9 * float(camera.time_ns[-1] - camera.time_ns[0])
-            return HealthFinding("clock_drift", drift_line(lag_s / apart_s))
+            return say.clock_drift(lag_s / apart_s)
     step_rad_s = second.bias_rad_s - first.bias_rad_s
     steps = np.max(np.abs(step_rad_s)) > GYRO_BIAS_SIGMA_RAD_S  # as much as is usual of a bias
     if steps and "sound" in states and states <= {"sound", "unexplained"}:
-        return HealthFinding("rate_bias", bias_step_line(step_rad_s))
+        return say.bias_step(step_rad_s)
     return None
 
 
@@ -206,13 +183,11 @@ def _units(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     of_rates = rates.axes if rates.state == "named" else None
     of_forces = forces.axes if forces.state == "named" else None
     if of_rates is not None and of_rates.multiple != 1.0:
-        line = unit_line("gyroscope", of_rates.multiple, RATE_UNITS)
-        findings.append(HealthFinding("rate_unit", line))
+        findings.append(say.unit("gyroscope", of_rates.multiple, RATE_UNITS))
     if of_rates is not None and of_rates.scales != (1.0,) * 3:
-        findings.append(HealthFinding("rate_scale", scale_line("gyroscope", of_rates.scales)))
+        findings.append(say.rate_scale(of_rates.scales))
     if of_forces is not None and of_forces.multiple != 1.0:
-        line = unit_line("accelerometer", of_forces.multiple, FORCE_UNITS)
-        findings.append(HealthFinding("force_unit", line))
+        findings.append(say.unit("accelerometer", of_forces.multiple, FORCE_UNITS))
     return findings
 
 
@@ -223,7 +198,7 @@ def _axes(rates: RateVerdict, forces: ForceVerdict, estimated_rad: float) -> lis
     moved = [axes for axes in (of_rates, of_forces) if axes is not None]
     if moved and all(_turned(axes) and axes.turn_rad <= estimated_rad for axes in moved):
         return []
-    inverted = [inverted_line()] if any(axes.base == "inverted" for axes in moved) else []
+    inverted = [say.EXTRINSICS_INVERTED] if any(axes.base == "inverted" for axes in moved) else []
     return inverted + _own_axes(rates, forces, of_rates, of_forces)
 
 
@@ -236,15 +211,15 @@ def _own_axes(
     """The IMU's axes, or one sensor's, the extrinsics read as they must be."""
     if of_rates is not None and _changed(of_rates) and forces.agrees:
         if forces.state in ("named", "unknown") or not _permuted(of_rates):
-            return shared_axes_line(of_rates)
-        return [own_axes_line("gyroscope", of_rates)]
+            return say.shared_axes(of_rates)
+        return [say.own_axes("gyroscope", of_rates)]
     if not rates.explained and of_forces is not None and _changed(of_forces):
         if _permuted(of_forces):
-            return [own_axes_line("accelerometer", of_forces)]
-        return shared_axes_line(of_forces)
+            return [say.own_axes("accelerometer", of_forces)]
+        return say.shared_axes(of_forces)
     alone = of_rates is None and of_forces is not None and _turned(of_forces)
     if alone and of_forces is not None and rates.allows(of_forces.turn):
-        return shared_axes_line(of_forces)
+        return say.shared_axes(of_forces)
     mirrored = (
         of_rates is not None
         and of_forces is not None
@@ -253,11 +228,12 @@ def _own_axes(
         and not _same(of_rates.permutation)
     )
     if mirrored and of_rates is not None and of_forces is not None:
-        return [mirrored_line(of_rates, of_forces)]
+        return [say.mirrored_axes(of_rates, of_forces)]
     if of_forces is not None and _turned(of_forces) and of_forces.turn_rad < _FORCE_TURN_RAD:
         of_forces = None
-    sensors = (("gyroscope", of_rates), ("accelerometer", of_forces))
-    return [own_axes_line(name, axes) for name, axes in sensors if axes and _changed(axes)]
+    sensors: tuple[tuple[say.Sensor, AxesVerdict | None], ...]
+    sensors = ("gyroscope", of_rates), ("accelerometer", of_forces)
+    return [say.own_axes(name, axes) for name, axes in sensors if axes and _changed(axes)]
 
 
 def _changed(axes: AxesVerdict) -> bool:
@@ -276,40 +252,25 @@ def _same(matrix: np.ndarray) -> bool:
     return bool(np.allclose(matrix, np.eye(3)))
 
 
-def _gravity(forces: ForceVerdict, stated_m_s2: float) -> list[HealthFinding]:
-    if forces.state != "gravity":
-        return []
-    size = float(np.linalg.norm(forces.gravity_m_s2))
-    fault: FaultName = "gravity" if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE else "lean"
-    return [HealthFinding(fault, gravity_line(forces, stated_m_s2, fault))]
-
-
 # Both sensors at once: of what explains each of them as well, what both have in common.
 #
 # A camera that is mounted by a quarter turn looks the same with its extrinsics the wrong way round
 # as with two axes of both sensors negated, and one sensor alone does not tell which. Both share a
 # package and its extrinsics, so what needs the fewest faults for the two of them is believed. Where
-# two stories of equally many faults are the same to any measurement, both are told.
+# two hypotheses of equally many faults are the same to any measurement, both are told.
 
 
-@dataclass(frozen=True, eq=False)
-class Story:
-    """What both sensors are believed to be: one story of what went wrong."""
+def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[tuple[RateVerdict, ForceVerdict]]:
+    """What both sensors are believed to be: one hypothesis, or two that no measurement tells apart.
 
-    rates: RateVerdict
-    forces: ForceVerdict
-
-
-def judge_jointly(rates: RateVerdict, trial: ForceTrial) -> list[Story]:
-    """One story, by the gyroscope's verdict alone and the accelerometer's evidence, or two that no
-    measurement can tell apart.
+    By the gyroscope's verdict alone and the accelerometer's evidence.
     """
     verdicts = [rates]
     if rates.state == "named" and rates.axes is not None and len(rates.axes.candidates) > 1:
         turns = trial.camera_R_imu()
         models = _fewest(rates.axes.candidates, trial.candidates(), turns)
         verdicts = [_retold(rates, rates.axes, model, turns) for model in models]
-    return [Story(own, trial.judged(own.axes if own.explained else None)) for own in verdicts]
+    return [(own, trial.judged(own.axes if own.explained else None)) for own in verdicts]
 
 
 def count_faults(model: Model, of_forces: FloatArray) -> int:

@@ -98,15 +98,9 @@ def judge_rates(
     *,
     known: bool,
 ) -> RateVerdict:
-    """Compare the rates of both.
+    """Compare the rates of both, at an offset and those up to `search_s` from it.
 
-    Args:
-        rates: of the camera.
-        turned: the gyroscope's integral.
-        camera_R_imu: ``(3, 3)`` from the extrinsics.
-        offset_s: what is added to the camera's stamps.
-        search_s: how far from that a better offset is looked for.
-        known: whether the extrinsics are stated, and may be the wrong way round.
+    `known` says that the extrinsics are stated, and may be the wrong way round.
     """
     rates = rates.disjoint(_MOST_SPANS)
     try_here = _Trial(rates, turned, camera_R_imu, known)
@@ -138,16 +132,16 @@ class _Trial:
     def at(self, offset_s: float) -> dict[Base, AxesEvidence] | None:
         """Evidence at an offset; None where too little is covered."""
         used = self.rates.inside(self.turned, offset_s, _SLOPE_S)
-        if len(used) < FEWEST_SPANS:
-            return None
+        return self._evidence(used, offset_s, np.eye(3)) if len(used) >= FEWEST_SPANS else None
+
+    def _evidence(
+        self, used: CameraRates, offset_s: float, matrix: FloatArray
+    ) -> dict[Base, AxesEvidence]:
+        """Of rates of the camera that the IMU covers, with readings put right by a matrix."""
         camera, read = used.beside(self.turned, offset_s)
         _, after = used.beside(self.turned, offset_s + _SLOPE_S)
         _, before = used.beside(self.turned, offset_s - _SLOPE_S)
-        return self._evidence(camera, read, (after - before) / (2.0 * _SLOPE_S))
-
-    def _evidence(
-        self, camera: FloatArray, read: FloatArray, slope: FloatArray
-    ) -> dict[Base, AxesEvidence]:
+        read, slope = read @ matrix.T, (after - before) / (2.0 * _SLOPE_S) @ matrix.T
         block = np.zeros((len(read), 3, 3, 3))
         block[:, np.arange(3), np.arange(3)] = read[:, None, :]
         constant = np.broadcast_to(np.eye(3), block.shape[:3])
@@ -209,11 +203,7 @@ class _Trial:
             mended = replace(self, camera_R_imu=self.camera_R_imu.T)
         for _ in range(_REFINEMENTS):
             used = self.rates.inside(self.turned, offset_s, _SLOPE_S)
-            camera, read = used.beside(self.turned, offset_s)
-            _, after = used.beside(self.turned, offset_s + _SLOPE_S)
-            _, before = used.beside(self.turned, offset_s - _SLOPE_S)
-            slope = (after - before) / (2.0 * _SLOPE_S)
-            evidence = mended._evidence(camera, read @ axes.matrix.T, slope @ axes.matrix.T)
+            evidence = mended._evidence(used, offset_s, axes.matrix)
             step_s = float(evidence["stated"].along(np.eye(3)).values[3])
             offset_s += float(np.clip(step_s, -_LAG_SIGMA_S, _LAG_SIGMA_S))
         return offset_s, evidence["stated"]
@@ -380,13 +370,8 @@ def steady(
 ) -> NDArray[np.bool_]:
     """Which poses ``(N,)`` turned from one of their neighbours as the gyroscope says.
 
-    Args:
-        camera: the poses.
-        turned: integral of the readings.
-        offset_s: what is added to the poses' stamps.
-        camera_R_read: ``(3, 3)`` from readings to rates in the camera's axes.
-        bias_rad_s: ``(3,)`` of the readings.
-        sigma: of the camera's mean rates over spans of 0.15 s, rad/s an axis.
+    `camera_R_read` ``(3, 3)`` takes readings, less their bias, to rates in the camera's axes;
+    `sigma` is of the camera's mean rates over spans of 0.15 s, rad/s an axis.
     """
     rotors = camera.motors.rotor
     turns = (rotors[:-1].inverse() @ rotors[1:]).as_rotation_vector()
@@ -397,11 +382,6 @@ def steady(
     allowed = _STEADY_SIGMAS * sigma * _BASELINE_S + _STEADY_SHARE * np.linalg.norm(read, axis=-1)
     right = np.concatenate([[False], apart < allowed, [False]])
     return np.asarray(right[:-1] | right[1:], dtype=np.bool_)
-
-
-def integrated_rate(imu: ImuStream, stamps_ns: IntArray) -> FloatArray:
-    """Running integrals ``(N, 3)`` of the angular rate: differences are turns over short times."""
-    return TurnedAngle(imu).at(stamps_ns)
 
 
 def norm_correlations(rates: CameraRates, turned: TurnedAngle, offsets_s: FloatArray) -> FloatArray:

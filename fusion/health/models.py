@@ -97,12 +97,7 @@ class AxesVerdict:
 
 
 def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
-    """Whether readings are as stated: the state is then sound, and unexplained where not.
-
-    Args:
-        evidence: with the extrinsics as stated.
-        needed: of the gain over nothing.
-    """
+    """Whether readings are as stated: the state is then sound, and unexplained where not."""
     nothing, same = evidence.nothing(), evidence.along(np.eye(3))
     gain = same.score - nothing.score
     free = evidence.free(np.eye(3), same.sigma)
@@ -119,10 +114,7 @@ def judge_axes(
 ) -> AxesVerdict:
     """Which model explains readings that are not as stated.
 
-    Args:
-        evidence: by which way round the extrinsics are read, the more believed first.
-        units: multiples that have a name.
-        needed: of the gain over nothing.
+    Evidence is by which way round the extrinsics are read, the more believed first.
     """
     believed = next(iter(evidence))
     candidates = find_candidates(evidence)

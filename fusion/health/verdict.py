@@ -12,6 +12,7 @@ from motorcade.fusion.health.accelerometer import ForceVerdict
 from motorcade.fusion.health.gyroscope import LONGEST_STEP_S, RateVerdict
 from motorcade.fusion.health.models import AxesVerdict, order_of
 from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S
+from motorcade.fusion.imu.stream import GRAVITY_SHARE
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray
 
@@ -48,6 +49,7 @@ FaultName = Literal[
 """Worst first: the first says that the path is wrong, the last only what deviations leave out."""
 
 _ORDER: tuple[FaultName, ...] = get_args(FaultName)
+Sensor = Literal["gyroscope", "accelerometer"]
 
 
 @dataclass(frozen=True)
@@ -135,89 +137,91 @@ _LENGTHS = {
     "feet": 1.0 / 0.3048,
     "kilometres": 1e-3,
 }  # of a metre
+_EXPECTED = {"gyroscope": "radians a second", "accelerometer": "m/s²"}
 _UNTOLD = 1.5  # times: an axis must read more of the rates to be named
 _BEYOND = 4.0  # deviations of what is known of a bias
 
 
-POSES_INVERTED = (
+POSES_INVERTED = HealthFinding(
+    "poses_inverted",
     "the poses are the wrong way round: those of the world seen from the camera agree with the "
-    "gyroscope; give the camera's in the world, which are their inverses"
+    "gyroscope; give the camera's in the world, which are their inverses",
+)
+EXTRINSICS_INVERTED = HealthFinding(
+    "extrinsics_inverted", "imu_T_camera is the wrong way round (transposed): give its inverse"
 )
 
 
-def drift_line(share: float) -> str:
-    """Of a clock that runs at another rate, by the change of the offset a second."""
-    return (
+def clock_drift(share: float) -> HealthFinding:
+    """A clock that runs at another rate, by the change of the offset a second."""
+    return HealthFinding(
+        "clock_drift",
         f"the IMU's clock runs {abs(100.0 * share):.2g} % {'fast' if share > 0.0 else 'slow'} "
-        "beside the poses': stamp both by one clock, or scale its stamps about the first"
+        "beside the poses': stamp both by one clock, or scale its stamps about the first",
     )
 
 
-def bias_step_line(step_rad_s: FloatArray) -> str:
-    """Of a bias in the second half of a recording that is not that of the first."""
-    return (
+def bias_step(step_rad_s: FloatArray) -> HealthFinding:
+    """A bias in the second half of a recording that is not that of the first."""
+    return HealthFinding(
+        "rate_bias",
         f"the gyroscope's bias changes by {_three(step_rad_s)} rad/s from the recording's first "
-        "half to its second: leave one of them out, or record anew once it is warm"
+        "half to its second: leave one of them out, or record anew once it is warm",
     )
 
 
-def unit_line(sensor: str, multiple: float, units: Mapping[float, str]) -> str:
-    """Of readings in another unit."""
-    unit = units.get(multiple)
-    expected = {"gyroscope": "radians a second", "accelerometer": "m/s²"}[sensor]
-    called = f"reads {unit}" if unit is not None else "has another unit or scale"
-    return (
-        f"the {sensor} {called}, where {expected} are expected: multiply its readings by "
-        f"{multiple:.6g}"
+def unit(sensor: Sensor, multiple: float, units: Mapping[float, str]) -> HealthFinding:
+    """Readings in another unit."""
+    called = f"reads {units[multiple]}" if multiple in units else "has another unit or scale"
+    return HealthFinding(
+        "rate_unit" if sensor == "gyroscope" else "force_unit",
+        f"the {sensor} {called}, where {_EXPECTED[sensor]} are expected: multiply its readings by "
+        f"{multiple:.6g}",
     )
 
 
-def position_line(scale: float) -> str:
-    """Of positions that are no metres."""
+def position_unit(scale: float) -> HealthFinding:
+    """Positions that are no metres."""
     unit = next((name for name, size in _LENGTHS.items() if abs(scale / size - 1.0) < 0.1), None)
     what = f"are in {unit}" if unit else f"are {scale:.3g} times as large as metres"
     mend = 1.0 / (_LENGTHS[unit] if unit else scale)
-    return f"positions {what} by the accelerometer: multiply them by {mend:.4g}"
+    line = f"positions {what} by the accelerometer: multiply them by {mend:.4g}"
+    return HealthFinding("position_unit", line)
 
 
-def scale_line(sensor: str, scales: tuple[float, float, float]) -> str:
-    """Of axes whose scale is not that of the others."""
+def rate_scale(scales: tuple[float, float, float]) -> HealthFinding:
+    """A gyroscope's axes whose scale is not that of the others."""
     lines = [
-        f"the {sensor}'s {axis} reads {1.0 / scale:.3g} times what the camera turns: multiply "
+        f"the gyroscope's {axis} reads {1.0 / scale:.3g} times what the camera turns: multiply "
         f"it by {scale:.3g}"
         for axis, scale in zip("xyz", scales, strict=True)
         if scale != 1.0
     ]
-    return "; ".join(lines)
+    return HealthFinding("rate_scale", "; ".join(lines))
 
 
-def size_line(share: float, gravity_m_s2: float) -> str:
-    """Of an accelerometer that reads another gravity, by its scale or a bias."""
-    return (
+def force_scale(share: float, gravity_m_s2: float) -> HealthFinding:
+    """An accelerometer that reads another gravity, by its scale or a bias."""
+    return HealthFinding(
+        "force_scale",
         f"the accelerometer reads {share:.3g} times gravity throughout: multiply it by "
         f"{1.0 / share:.3g}, or subtract the bias of {(share - 1.0) * gravity_m_s2:.2g} m/s² along "
-        "gravity that looks the same here; at rest on all six sides it tells which"
+        "gravity that looks the same here; at rest on all six sides it tells which",
     )
 
 
-def mirrored_line(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:
-    """Of a left-handed frame, in which rates turn the other way round."""
-    line = (
+def mirrored_axes(of_rates: AxesVerdict, of_forces: AxesVerdict) -> HealthFinding:
+    """A left-handed frame, in which rates turn the other way round."""
+    return HealthFinding(
+        "axes",
         "the IMU's axes are left-handed: put the accelerometer's readings as "
         f"{order_of(of_forces.permutation)} and the gyroscope's as {order_of(of_rates.permutation)}"
-        " for (x, y, z)"
+        " for (x, y, z)",
     )
-    return HealthFinding("axes", line)
 
 
-def inverted_line() -> HealthFinding:
-    """Of extrinsics that are those of the IMU on the camera."""
-    line = "imu_T_camera is the wrong way round (transposed): give its inverse"
-    return HealthFinding("extrinsics_inverted", line)
-
-
-def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
-    """Of what both sensors have in common: the order of the axes, or a turn of the extrinsics."""
+def shared_axes(axes: AxesVerdict) -> list[HealthFinding]:
+    """What both sensors have in common: the order of the axes, or a turn of the extrinsics."""
     turned = not np.allclose(axes.turn, np.eye(3))
     if turned and np.linalg.det(axes.permutation) < 0.0:
         line = (
@@ -239,20 +243,17 @@ def shared_axes_line(axes: AxesVerdict) -> list[HealthFinding]:
     return findings
 
 
-def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
-    """Of one sensor whose axes are not those that the other, or the extrinsics, have."""
+def own_axes(sensor: Sensor, axes: AxesVerdict) -> HealthFinding:
+    """One sensor whose axes are not those that the other, or the extrinsics, have."""
     fault: FaultName = "rate_axes" if sensor == "gyroscope" else "force_axes"
     if np.allclose(axes.turn, np.eye(3)):
         if not np.array_equal(axes.permutation, -np.eye(3)):
             return HealthFinding(fault, _order(f"the {sensor}'s axes are", axes))
-        line = f"the {sensor}'s sign is wrong: negate its three axes"
-        return HealthFinding("rate_sign" if sensor == "gyroscope" else "force_sign", line)
+        fault = "rate_sign" if sensor == "gyroscope" else "force_sign"
+        return HealthFinding(fault, f"the {sensor}'s sign is wrong: negate its three axes")
     if np.linalg.det(axes.permutation) < 0.0:
-        line = (
-            f"the {sensor}'s axes are left-handed: negate all three, or the one that is wrong, or "
-            "swap two"
-        )
-        return HealthFinding(fault, line)
+        line = "axes are left-handed: negate all three, or the one that is wrong, or swap two"
+        return HealthFinding(fault, f"the {sensor}'s {line}")
     vector = Rotor.from_matrix(axes.turn).as_rotation_vector()
     line = (
         f"the {sensor}'s axes are turned by {np.rad2deg(axes.turn_rad):.0f}° from the other "
@@ -261,51 +262,55 @@ def own_axes_line(sensor: str, axes: AxesVerdict) -> HealthFinding:
     return HealthFinding(fault, line)
 
 
-def tell_both(stories: list[list[HealthFinding]]) -> list[HealthFinding]:
-    """What is told of axes, in one line where a second story explains all as well."""
-    if len(stories) == 1 or not all(stories):
-        return stories[0]
-    lines = [" and ".join(one.summary for one in story) for story in stories]
+def both(hypotheses: list[list[HealthFinding]]) -> list[HealthFinding]:
+    """What is wrong with axes, in one line where a second hypothesis explains all as well."""
+    if len(hypotheses) == 1 or not all(hypotheses):
+        return hypotheses[0]
+    lines = [" and ".join(finding.summary for finding in findings) for findings in hypotheses]
     line = "either " + ", or ".join(lines) + " (no measurement tells which)"
-    return [HealthFinding(stories[0][0].fault, line, instead=stories[1][0].fault)]
+    return [HealthFinding(hypotheses[0][0].fault, line, instead=hypotheses[1][0].fault)]
 
 
-def delay_line(rates: RateVerdict) -> str:
-    """Of stamps that are off."""
+def delay(rates: RateVerdict) -> HealthFinding:
+    """Stamps that are off."""
     late = "late" if rates.lag_s > 0.0 else "early"
-    return (
+    return HealthFinding(
+        "delay",
         f"the IMU's stamps are {abs(rates.lag_s):.3f} s {late} beside the poses': add "
-        f"{rates.lag_s:.3f} s to time_offset_s (± {rates.lag_sigma_s:.3f} s)"
+        f"{rates.lag_s:.3f} s to time_offset_s (± {rates.lag_sigma_s:.3f} s)",
     )
 
 
-def gravity_line(forces: ForceVerdict, stated_m_s2: float, fault: str) -> str:
-    """Of another gravity, or of a world that leans."""
-    gravity = forces.gravity_m_s2
-    size = float(np.linalg.norm(gravity))
-    if fault == "gravity":
-        return (
+def gravity(forces: ForceVerdict, stated_m_s2: float) -> HealthFinding:
+    """Another gravity, or a world that leans."""
+    vector = forces.gravity_m_s2
+    size = float(np.linalg.norm(vector))
+    if abs(size / stated_m_s2 - 1.0) > GRAVITY_SHARE:
+        return HealthFinding(
+            "gravity",
             f"gravity is {size:.2f} m/s² here, where {stated_m_s2:g} was stated: set gravity_m_s2 "
-            "to it, or scale the accelerometer"
+            "to it, or scale the accelerometer",
         )
-    lean = float(np.rad2deg(np.arccos(np.clip(-gravity[2] / size, -1.0, 1.0))))
-    return (
+    lean = float(np.rad2deg(np.arccos(np.clip(-vector[2] / size, -1.0, 1.0))))
+    return HealthFinding(
+        "lean",
         f"the world's z is {lean:.0f}° from up: level the poses, or set gravity_sigma_rad to at "
-        "least that"
+        "least that",
     )
 
 
-def unrelated_line(rates: RateVerdict, search_s: float) -> str:
-    """Of an IMU that moved otherwise than the camera."""
-    return (
+def unrelated(rates: RateVerdict, search_s: float) -> HealthFinding:
+    """An IMU that moved otherwise than the camera."""
+    return HealthFinding(
+        "unrelated",
         f"the IMU did not move with the camera: it turns by {rates.read_rad_s:.2g} rad/s an axis, "
         f"the camera by {rates.turned_rad_s:.2g}, but not together at any offset within "
-        f"{search_s:g} s: give the IMU of the same recording"
+        f"{search_s:g} s: give the IMU of the same recording",
     )
 
 
-def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
-    """Of biases far beyond what is known of them, and of readings that nothing explains."""
+def unexplained(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
+    """Biases far beyond what is known of them, and readings that nothing explains."""
     findings = []
     if rates.state == "unexplained":
         if np.max(np.abs(rates.bias_rad_s)) > _BEYOND * GYRO_BIAS_SIGMA_RAD_S:
@@ -333,7 +338,7 @@ def bias_lines(rates: RateVerdict, forces: ForceVerdict) -> list[HealthFinding]:
     return findings
 
 
-def unknown_lines(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
+def unknown(rates: RateVerdict, forces: ForceVerdict) -> tuple[str, ...]:
     """What the motion does not tell."""
     lines = []
     if rates.state == "unknown":

@@ -17,16 +17,12 @@ called, so that it can be written again whatever state it is in.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from motorcade.fusion.imu.noise import (
-    ACCEL_BIAS_SIGMA_M_S2,
-    GYRO_BIAS_SIGMA_RAD_S,
-    ImuNoise,
-)
+from motorcade.fusion.imu.noise import ACCEL_BIAS_SIGMA_M_S2, GYRO_BIAS_SIGMA_RAD_S, ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.fusion.preintegration import Preintegrated, preintegrate
 from motorcade.fusion.sync.normal_equations import Bordered, Solved
@@ -125,13 +121,8 @@ _FASTEST = 100.0  # most that a variance may grow or shrink in one step
 _JITTER = np.repeat([1e-9, 1e-8, 1e-8, 1e-10, 1e-10], 3) ** 2
 _ROWS_AT_ONCE = 256  # of products of intervals, which a processor's cache then holds
 # How the shared unknowns stand in a row.
-OFFSET, ROTATION, LEVER, GRAVITY, SCALE = (
-    slice(0, 1),
-    slice(1, 4),
-    slice(4, 7),
-    slice(7, 10),
-    slice(10, 11),
-)
+OFFSET, ROTATION, LEVER = slice(0, 1), slice(1, 4), slice(4, 7)
+GRAVITY, SCALE = slice(7, 10), slice(10, 11)
 
 
 @dataclass(frozen=True, eq=False)
@@ -304,12 +295,10 @@ def _white_poses(
     state: Aligned, camera: Trajectory, rate: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Residuals ``(N, 6)`` of the poses in deviations, derivatives by states and what is shared."""
+    extrinsics = state.shared.imu_T_camera.coefficients
     measured = _in_metres(camera, state.shared.scale).coefficients
     residual, slope = pose_residuals(
-        state.world_T_imu.coefficients,
-        _twists(state, rate),
-        state.shared.imu_T_camera.coefficients,
-        measured,
+        state.world_T_imu.coefficients, _twists(state, rate), extrinsics, measured
     )
     root = np.sqrt(state.weight)[:, None] / np.repeat(state.sigma, 3)
     residual, slope = root * residual, root[..., None] * slope
@@ -360,14 +349,11 @@ class _Intervals:
             rows = slice(first, first + _ROWS_AT_ONCE)
             root = np.linalg.inv(np.linalg.cholesky(self.covariance[rows]))
             slopes = self.start[rows], self.end[rows], self.shared[rows]
-            equations.add_intervals(
-                first,
-                (root @ self.residual[rows, :, None])[..., 0],
-                *(root @ one for one in slopes),
-            )
+            residual = (root @ self.residual[rows, :, None])[..., 0]
+            equations.add_intervals(first, residual, *(root @ slope for slope in slopes))
 
     def excess(self, solved: Solved) -> FloatArray:
-        """Variances of gyroscope, accelerometer and their walks, over those that were assumed.
+        """Variances, in the order of `ImuNoise`, over those that were assumed.
 
         What is left after the step, over what should be left: the residuals' own part of their
         covariance, without what the unknowns took of them (Förstner 1979).
@@ -377,7 +363,7 @@ class _Intervals:
         left = self.residual[..., None] + stepped + self.shared @ solved.shared[:, None]
         expected = known - solved.interval_covariance(self.start, self.end, self.shared)
         ratios = []
-        for first in (0, 6, 9, 12):  # rows that this noise rules: turn, velocity, biases
+        for first in (0, 9, 6, 12):  # rows that this noise rules: turn, velocity, biases
             rows = slice(first, first + 3)
             inverse = np.linalg.inv(known[:, rows, rows])
             misfit = np.sum(left[:, rows] * (inverse @ left[:, rows]))
@@ -388,26 +374,15 @@ class _Intervals:
 def _at_least(stated: ImuNoise, now: ImuNoise, grown: FloatArray) -> ImuNoise:
     """The noise of the moment with its variances grown or shrunk, but never below the stated."""
     factors = np.sqrt(np.clip(grown, 1 / _FASTEST, _FASTEST))
-    return ImuNoise(
-        max(stated.gyro_density_rad_s_rthz, now.gyro_density_rad_s_rthz * factors[0]),
-        max(stated.gyro_walk_rad_s2_rthz, now.gyro_walk_rad_s2_rthz * factors[2]),
-        max(stated.accel_density_m_s2_rthz, now.accel_density_m_s2_rthz * factors[1]),
-        max(stated.accel_walk_m_s3_rthz, now.accel_walk_m_s3_rthz * factors[3]),
-    )
+    return ImuNoise(*np.maximum(astuple(stated), np.array(astuple(now)) * factors).tolist())
 
 
 def _add_beliefs(equations: Bordered, now: Shared, start: Shared, beliefs: Beliefs) -> None:
     size = float(np.linalg.norm(now.gravity_m_s2))
     expected = float(np.linalg.norm(start.gravity_m_s2))
     extrinsics = start.imu_T_camera.local(now.imu_T_camera)
-    error = np.concatenate(
-        [
-            [now.offset_s - start.offset_s],
-            extrinsics,
-            [size - expected],
-            [np.log(now.scale / start.scale)],
-        ]
-    )
+    later_s, growth = now.offset_s - start.offset_s, np.log(now.scale / start.scale)
+    error = np.array([later_s, *extrinsics, size - expected, growth])
     slope = np.zeros((9, 11))
     slope[np.arange(7), np.arange(7)] = slope[8, 10] = 1.0
     slope[7, GRAVITY] = now.gravity_m_s2 / size

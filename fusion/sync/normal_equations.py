@@ -40,19 +40,19 @@ class Solved:
     def state_covariance(self, own: FloatArray, shared: FloatArray) -> FloatArray:
         """Covariance ``(N, r, r)`` of residuals of single states with derivatives ``(N, r, *)``."""
         along = shared - own @ self.border
-        spread: FloatArray = own @ self._known_shared[0] @ _turned(own)
-        return spread + along @ self.covariance @ _turned(along)
+        spread: FloatArray = own @ self._known_shared[0] @ _transposed(own)
+        return spread + along @ self.covariance @ _transposed(along)
 
     def interval_covariance(
         self, start: FloatArray, end: FloatArray, shared: FloatArray
     ) -> FloatArray:
         """Covariance ``(N - 1, r, r)`` of residuals with derivatives ``(N - 1, r, *)``."""
         own, cross = self._known_shared
-        crossed = end @ cross @ _turned(start)
-        spread = start @ own[:-1] @ _turned(start) + end @ own[1:] @ _turned(end)
+        crossed = end @ cross @ _transposed(start)
+        spread = start @ own[:-1] @ _transposed(start) + end @ own[1:] @ _transposed(end)
         along = shared - start @ self.border[:-1] - end @ self.border[1:]
-        total: FloatArray = spread + crossed + _turned(crossed)
-        return total + along @ self.covariance @ _turned(along)
+        total: FloatArray = spread + crossed + _transposed(crossed)
+        return total + along @ self.covariance @ _transposed(along)
 
 
 class Bordered:
@@ -94,7 +94,7 @@ class Bordered:
         size, count = start.shape[-1], len(residual)
         observed = np.flatnonzero(np.any(shared, axis=(0, 1)))
         joined = np.concatenate([start, end, shared[..., observed], residual[..., None]], axis=-1)
-        squares = np.ascontiguousarray(_turned(joined)) @ joined
+        squares = np.ascontiguousarray(_transposed(joined)) @ joined
         for state, column in ((first, 0), (first + 1, size)):
             part, rows = slice(state, state + count), squares[:, column : column + size]
             self._own[part] += rows[..., column : column + size]
@@ -149,11 +149,11 @@ class Bordered:
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    product: FloatArray = _turned(a) @ b
+    product: FloatArray = _transposed(a) @ b
     return product
 
 
-def _turned(a: FloatArray) -> FloatArray:
+def _transposed(a: FloatArray) -> FloatArray:
     return np.swapaxes(a, -1, -2)
 
 
@@ -271,7 +271,3 @@ class _Level:
 def _inverse(blocks: FloatArray) -> FloatArray:
     np.linalg.cholesky(blocks)  # refuses what is not positive definite
     return np.asarray(np.linalg.inv(blocks), dtype=np.float64)
-
-
-def _transposed(blocks: FloatArray) -> FloatArray:
-    return np.swapaxes(blocks, -1, -2)

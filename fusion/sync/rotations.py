@@ -52,13 +52,11 @@ class RotationOffset:
         offset_s: IMU's clock minus the camera's.
         sigma_s: deviation of it.
         white_s: the same, if all errors were independent of each other.
-        blocks: how many blocks told.
     """
 
     offset_s: float
     sigma_s: float
     white_s: float
-    blocks: int
 
 
 def offset_by_rotations(
@@ -98,7 +96,7 @@ def offset_by_rotations(
             break
     assert solved is not None
     sigma_s = max(solved.white_s, solved.scattered_s)
-    return RotationOffset(offset_s, sigma_s, solved.white_s, len(blocks))
+    return RotationOffset(offset_s, sigma_s, solved.white_s)
 
 
 def _blocks(time_ns: IntArray) -> list[IntArray]:
@@ -151,8 +149,7 @@ def _gyroscope(imu: ImuStream, stamps: IntArray, bias: FloatArray) -> tuple[Floa
 def _drift(stamps: IntArray) -> FloatArray:
     """Legendre's polynomials over a block's time ``(N, 3)``."""
     time = 2.0 * (stamps - stamps[0]) / float(np.ptp(stamps)) - 1.0
-    columns: FloatArray = np.polynomial.legendre.legvander(time, _DRIFT - 1)
-    return columns
+    return np.polynomial.legendre.legvander(time, _DRIFT - 1)
 
 
 def _chained(steps: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import logging
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,21 +24,14 @@ from motorcade.fusion.health.gyroscope import (
     LEAST_OVERLAP_S,
     CameraRates,
     TurnedAngle,
-    integrated_rate,
     norm_correlations,
 )
 from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, ImuStream
-from motorcade.fusion.sync.alignment import (
-    GRAVITY,
-    ROTATION,
-    Aligned,
-    Beliefs,
-    Shared,
-    align,
-)
+from motorcade.fusion.measurements.interface import skew
+from motorcade.fusion.sync.alignment import GRAVITY, ROTATION, Aligned, Beliefs, Shared, align
 from motorcade.fusion.sync.rotations import offset_by_rotations
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -147,19 +141,18 @@ def synchronise(
 
     Angular rates give offset and rotation to start from; everything is then estimated together,
     with the biases and gravity; poses that contradict their neighbours are left out before, and all
-    but 50 a second. The
-    offset is that at which the camera's orientations follow the gyroscope's, within blocks of four
-    seconds: positions and forces have no say in it, and its deviation covers what blocks differ by.
-    The other deviations believe that errors of the camera's poses are independent from one to the
-    next: those of a smoothed path are not, and they are then too small. Faults of scale, axes and
-    linearity of the sensor are seen only as noise, and can pull the extrinsics further than noise
-    does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04 m/s² from the true force for
-    a third of a second and longer, while its gyroscope alone fits within 0.1°. So the extrinsics is
-    estimated without the accelerometer as well, and where both differ by more than noise explains,
-    the deviations of its rotation cover the difference. A direction in which the motion tells
-    nothing (the lever arm along the only axis of rotation) keeps the uncertainty that it starts
-    with: 1 m, half a turn. A motion that repeats itself within `search_s` can be matched a period
-    off.
+    but 50 a second. The offset is that at which the camera's orientations follow the gyroscope's,
+    within blocks of four seconds: positions and forces have no say in it, and its deviation covers
+    what blocks differ by. The other deviations believe that errors of the camera's poses are
+    independent from one to the next: those of a smoothed path are not, and they are then too small.
+    Faults of scale, axes and linearity of the sensor are seen only as noise, and can pull the
+    extrinsics further than noise does: by 0.9° on EuRoC's V1_02, whose accelerometer strays by 0.04
+    m/s² from the true force for a third of a second and longer, while its gyroscope alone fits
+    within 0.1°. So the extrinsics is estimated without the accelerometer as well, and where both
+    differ by more than noise explains, the deviations of its rotation cover the difference. A
+    direction in which the motion tells nothing (the lever arm along the only axis of rotation)
+    keeps the uncertainty that it starts with: 1 m, half a turn. A motion that repeats itself within
+    `search_s` can be matched a period off.
 
     Args:
         camera: ``world_T_camera``, metres, on the camera's clock; its world may lean.
@@ -331,7 +324,7 @@ def covered(
     return camera[inside], parts[most]
 
 
-_REACH = 3  # neighbours to either side
+_STEPS = (-3, -2, -1, 1, 2, 3)  # to neighbours
 _NEAR_S = 0.5  # beyond, neither gyroscope nor lines foretell
 _OUTLIER_THRESHOLD = 6.0  # of the median's deviation
 _MEDIAN_NORM = 1.538  # of three normal numbers
@@ -339,13 +332,7 @@ _LEAST_RAD, _LEAST_M = 1e-4, 1e-4
 
 
 def plausible(camera: Trajectory, imu: ImuStream, match: RateMatch) -> NDArray[np.bool_]:
-    """Which poses ``(N,)`` agree with their neighbours; those that have none nearby count as such.
-
-    Args:
-        camera: `world_T_camera`, which the IMU covers.
-        imu: the stream.
-        match: where its clock and axes stand.
-    """
+    """Which poses ``(N,)``, covered by the IMU, agree with neighbours or have none nearby."""
     turned = np.linalg.norm(_turn_errors(camera, imu, match), axis=-1)
     shifted = np.linalg.norm(_place_errors(camera), axis=-1)
     mask: NDArray[np.bool_] = ~(_outliers(turned, _LEAST_RAD) | _outliers(shifted, _LEAST_M))
@@ -362,10 +349,6 @@ def _outliers(error: FloatArray, least: float) -> NDArray[np.bool_]:
     return beyond
 
 
-def _steps() -> list[int]:
-    return [k for k in range(-_REACH, _REACH + 1) if k != 0]
-
-
 def _neighbours(count: int, step: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Indices ``(N,)`` so many poses on, and which of them exist."""
     index = np.arange(count) + step
@@ -375,9 +358,9 @@ def _neighbours(count: int, step: int) -> tuple[NDArray[np.intp], NDArray[np.boo
 def _turn_errors(camera: Trajectory, imu: ImuStream, match: RateMatch) -> FloatArray:
     """Medians ``(N, 3)`` of what neighbours and the gyroscope miss of the orientations, rad."""
     stamps = camera.time_ns + round(match.offset_s * 1e9)
-    angle = match.imu_R_camera.inverse().apply(integrated_rate(imu, stamps))
+    angle = match.imu_R_camera.inverse().apply(TurnedAngle(imu).at(stamps))
     rotors, missed = camera.motors.rotor, []
-    for step in _steps():
+    for step in _STEPS:
         index, there = _neighbours(len(camera), step)
         there &= np.abs(camera.time_ns[index] - camera.time_ns) <= _NEAR_S * 1e9
         foretold = rotors[index] @ Rotor.from_rotation_vector(angle - angle[index])
@@ -390,15 +373,14 @@ def _place_errors(camera: Trajectory) -> FloatArray:
     """Medians ``(N, 3)`` of what lines through pairs of neighbours miss of the places, m."""
     place, time_s = camera.motors.translation_m, camera.time_s
     missed = []
-    for first in _steps():
-        for second in (step for step in _steps() if step > first):
-            (a, a_there), (b, b_there) = (_neighbours(len(camera), k) for k in (first, second))
-            near = np.maximum(np.abs(time_s[a] - time_s), np.abs(time_s[b] - time_s)) <= _NEAR_S
-            there = a_there & b_there & near & (a != b)
-            span = np.where(there, time_s[b] - time_s[a], 1.0)
-            part = ((time_s - time_s[a]) / span)[:, None]
-            error = place - (1.0 - part) * place[a] - part * place[b]
-            missed.append(np.where(there[:, None], error, np.nan))
+    for pair in combinations(_STEPS, 2):
+        (a, a_there), (b, b_there) = (_neighbours(len(camera), step) for step in pair)
+        near = np.maximum(np.abs(time_s[a] - time_s), np.abs(time_s[b] - time_s)) <= _NEAR_S
+        there = a_there & b_there & near & (a != b)
+        span = np.where(there, time_s[b] - time_s[a], 1.0)
+        part = ((time_s - time_s[a]) / span)[:, None]
+        error = place - (1.0 - part) * place[a] - part * place[b]
+        missed.append(np.where(there[:, None], error, np.nan))
     return _medians(missed)
 
 
@@ -441,12 +423,7 @@ class RateMatch:
 
 
 def match_rates(camera: Trajectory, imu: ImuStream, search_s: float) -> RateMatch:
-    """Match both angular rates.
-
-    Args:
-        camera: poses of the camera; the frame that they are in does not matter.
-        imu: the sensor's stream.
-        search_s: how far from zero the offset may be.
+    """Match both angular rates at offsets up to `search_s`; the camera's world does not matter.
 
     Raises:
         ValueError: streams that overlap for less than 2 s or 20 poses, or whose rates do not
@@ -497,7 +474,7 @@ def _refined(
         left = now - expected - bias
         slope = np.zeros((len(own), 3, 7))
         slope[..., 0] = (after - before) / _GRID_S
-        slope[..., 1:4] = np.cross(expected[:, None, :], np.eye(3)).swapaxes(-1, -2)
+        slope[..., 1:4] = skew(expected)
         slope[..., 4:] = -np.eye(3)
         squares = np.sum(left**2, axis=-1)
         scale = max(float(np.median(squares)) / _MEDIAN_CHI2, np.finfo(float).tiny)
