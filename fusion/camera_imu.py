@@ -32,9 +32,9 @@ from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.tracking.board_tracking.poses import BoardMeasurements
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.measurements import PoseMeasurements
 
 __all__ = ["CameraImuCalibration", "calibrate_camera_imu"]
-from motorcade.tracking.measurements import PoseMeasurements
 
 # What is believed of the start: next to nothing, or the recording would be counted twice.
 _TILT_SIGMA_RAD = 0.1
@@ -227,15 +227,8 @@ def _checked(calibration: CameraImuCalibration) -> CameraImuCalibration:
 # What a calibration of camera and IMU gives: every number with its deviation, or why not.
 
 # Rows of the covariance, as `GraphCalibration.covariance` orders them.
-TURN, LEVER, OFFSET, GYRO, ACCEL, TILT, SIZE = (
-    slice(0, 3),
-    slice(3, 6),
-    slice(6, 7),
-    slice(7, 16),
-    slice(16, 22),
-    slice(22, 24),
-    slice(24, 25),
-)
+TURN, LEVER, OFFSET = slice(0, 3), slice(3, 6), slice(6, 7)
+GYRO, ACCEL, TILT, SIZE = slice(7, 16), slice(16, 22), slice(22, 24), slice(24, 25)
 COMMON = 25
 _AXES = "xyz"
 _LENS = {"radtan": ("k1", "k2", "p1", "p2", "k3"), "equidistant": ("k1", "k2", "k3", "k4")}
@@ -423,19 +416,13 @@ class CameraImuCalibration:
 
     def _corrections(self) -> list[Parameter]:
         parameters = []
-        for sensor, matrix, sigma, motion in (
-            (
-                "gyro",
-                self.gyro_correction,
-                self.gyro_sigma,
-                "turn faster, and further, about the IMU's {}",
-            ),
-            (
-                "accel",
-                self.accel_correction,
-                self.accel_sigma,
-                "lay gravity along the IMU's {0}, or shake along it",
-            ),
+        gyro, accel = (
+            (self.gyro_correction, self.gyro_sigma),
+            (self.accel_correction, self.accel_sigma),
+        )
+        for sensor, (matrix, sigma), motion in (
+            ("gyro", gyro, "turn faster, and further, about the IMU's {}"),
+            ("accel", accel, "lay gravity along the IMU's {}, or shake along it"),
         ):
             for row, column in np.ndindex(3, 3):
                 if sensor == "accel" and column > row:

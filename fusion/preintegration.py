@@ -8,7 +8,7 @@ composition and the error's transition does not depend on any state.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Literal
 
 import numpy as np
@@ -19,6 +19,7 @@ from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_floats
+from motorcade.ga.names import check_word
 from motorcade.ga.stamps import LONGEST_BRIDGE_S
 
 __all__ = ["Preintegrated", "preintegrate"]
@@ -69,14 +70,7 @@ class Preintegrated:
 
     def __getitem__(self, index: slice | IntArray | NDArray[np.bool_]) -> Preintegrated:
         """Some of the intervals, by slice, mask or indices."""
-        return Preintegrated(
-            self.duration_s[index],
-            self.motion[index],
-            self.gyro_bias_rad_s[index],
-            self.accel_bias_m_s2[index],
-            self.transition[index],
-            self.covariance[index],
-        )
+        return Preintegrated(*(getattr(self, field.name)[index] for field in fields(self)))
 
     @property
     def bias_jacobian(self) -> FloatArray:
@@ -89,13 +83,9 @@ class Preintegrated:
         Good for changes as estimators make them: over 0.5 s and for 0.01 rad/s and 0.1 m/s² it is
         off by about 3e-5 (rad, m, m/s); the error grows with the square of the change.
         """
-        change = np.concatenate(
-            [
-                np.asarray(gyro_bias_rad_s) - self.gyro_bias_rad_s,
-                np.asarray(accel_bias_m_s2) - self.accel_bias_m_s2,
-            ],
-            axis=-1,
-        )
+        gyro = np.asarray(gyro_bias_rad_s) - self.gyro_bias_rad_s
+        accel = np.asarray(accel_bias_m_s2) - self.accel_bias_m_s2
+        change = np.concatenate([gyro, accel], axis=-1)
         return corrected(self.motion, np.einsum("...ij,...j->...i", self.bias_jacobian, change))
 
     def propagate(
@@ -167,20 +157,12 @@ def preintegrate(
         >>> np.degrees(summed.motion[:, 0].rotor.angle()).round(6)
         array([45., 45.])
     """
-    if rule not in ("mean", "held"):
-        raise ValueError(f"rule: expected 'mean' or 'held', got {rule!r}")
+    check_word(rule, ("mean", "held"), "rule")
     keys = _checked_keyframes(keyframes_ns, imu)
     count = len(keys) - 1
-    biases = np.concatenate(
-        [
-            np.broadcast_to(_checked_bias(value, name, count), (count, 3))
-            for value, name in (
-                (gyro_bias_rad_s, "gyro_bias_rad_s"),
-                (accel_bias_m_s2, "accel_bias_m_s2"),
-            )
-        ],
-        axis=-1,
-    )
+    gyro = _checked_bias(gyro_bias_rad_s, "gyro_bias_rad_s", count)
+    accel = _checked_bias(accel_bias_m_s2, "accel_bias_m_s2", count)
+    biases = np.concatenate([gyro, accel], axis=-1)
     data = imu.around(keys)
     first = np.searchsorted(data.time_ns, keys)
     rate, force = (
@@ -191,13 +173,7 @@ def preintegrate(
     of_steps = np.repeat(biases, np.diff(first), axis=0)
     _check_steps(steps_s, rate - of_steps[:, :3])
     motion, transition, covariance = increments(
-        first[:-1],
-        steps_s,
-        rate,
-        force,
-        of_steps,
-        noise,
-        held=rule == "held",
+        first[:-1], steps_s, rate, force, of_steps, noise, held=rule == "held"
     )
     return Preintegrated(
         np.diff(keys) * 1e-9, motion, biases[:, :3], biases[:, 3:], transition, covariance
@@ -240,4 +216,4 @@ def _checked_bias(value: ArrayLike, name: str, count: int) -> FloatArray:
         raise ValueError(f"{name}: expected biases up to {_MOST_BIAS:g}, got {value!r}")
     if checked.shape not in ((3,), (count, 3)):
         raise ValueError(f"{name}: expected shape (3,) or {(count, 3)}, got {checked.shape}")
-    return checked
+    return np.broadcast_to(checked, (count, 3))

@@ -208,9 +208,7 @@ def estimate_noise(imu: ImuStream) -> StreamNoise:
     gyro, accel = (
         (fitted_noise(curve, 0), fitted_noise(curve, 1), fitted_noise(curve, 2)) for curve in curves
     )
-    (gyro_density, gyro_walk), (accel_density, accel_walk) = _pooled(gyro), _pooled(accel)
-    noise = ImuNoise(gyro_density, gyro_walk, accel_density, accel_walk)
-    return StreamNoise(curves[0], curves[1], gyro, accel, noise)
+    return StreamNoise(curves[0], curves[1], gyro, accel, ImuNoise(*_pooled(gyro), *_pooled(accel)))
 
 
 def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:
@@ -229,14 +227,8 @@ def fitted_noise(curve: AllanCurve, axis: int) -> NoiseEstimate:
     at_zero = np.sqrt(spread)
     least = np.maximum(np.maximum(roots, at_zero), 1e-300)
     deviations = np.where(squares > spread, spread / (2.0 * least), at_zero)
-    return NoiseEstimate(
-        float(roots[0]),
-        float(deviations[0]),
-        float(roots[2]),
-        float(deviations[2]),
-        float(roots[1]),
-        float(deviations[1]),
-    )
+    pairs = np.stack([roots, deviations], axis=-1)[[0, 2, 1]]  # density, walk, flicker
+    return NoiseEstimate(*pairs.ravel().tolist())
 
 
 def _terms(tau_s: FloatArray) -> FloatArray:

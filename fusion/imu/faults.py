@@ -11,8 +11,6 @@ from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, checked_floats, frozen
 from motorcade.ga.stamps import checked_span_ns
 
-_MATRICES = ("gyro_g_sensitivity_rad_s_m",)
-
 
 @dataclass(frozen=True, eq=False)
 class ImuFaults:
@@ -97,12 +95,14 @@ class ImuFaults:
         for field in fields(self):
             name = f"ImuFaults.{field.name}"
             value = getattr(self, field.name)
+            checked: float | FloatArray
             if field.type == "float":
-                object.__setattr__(self, field.name, _checked_number(float(value), name))
-            elif field.name in _MATRICES:
-                object.__setattr__(self, field.name, _checked_matrix(value, name))
+                checked = _checked_number(float(value), name)
+            elif field.name == "gyro_g_sensitivity_rad_s_m":
+                checked = _checked_matrix(value, name)
             else:
-                object.__setattr__(self, field.name, _checked_axes(value, name))
+                checked = _checked_axes(value, name)
+            object.__setattr__(self, field.name, checked)
 
     @property
     def gyro_matrix(self) -> FloatArray:
@@ -182,8 +182,7 @@ def _converted(values: FloatArray, limit: float, step: float) -> FloatArray:
         # The last step that the range holds, so that saturated readings are multiples too.
         limit = np.floor(limit / step) * step if np.isfinite(limit) else limit
         values = np.round(values / step) * step
-    cut: FloatArray = np.clip(values, -limit, limit)
-    return cut
+    return np.clip(values, -limit, limit)
 
 
 PERFECT = ImuFaults()

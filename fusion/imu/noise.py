@@ -10,6 +10,7 @@ from __future__ import annotations
 import reprlib
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -105,10 +106,8 @@ def _number(content: Mapping[str, object], name: str, path: Path) -> float:
         raise ValueError(f"{path}: expected the field {name}, got {', '.join(map(str, content))}")
     value = content[name]
     if isinstance(value, str):  # YAML 1.1 reads 1e-3, without a dot, as text
-        try:
+        with suppress(ValueError):
             value = float(value)
-        except ValueError:
-            value = content[name]
     if not _is_positive(value):
         shown = reprlib.repr(content[name])
         raise ValueError(f"{path}: {name}: expected a number above 0, got {shown}")

@@ -138,9 +138,8 @@ def _turned_share(imu: ImuStream) -> float | None:
 def _gravity(felt: float | None) -> tuple[str, ...]:
     if felt is None or abs(felt / STANDARD_GRAVITY_M_S2 - 1.0) < GRAVITY_SHARE:
         return ()
-    return (
-        f"the accelerometer reads {felt:.4g} m/s² at rest, expected about {STANDARD_GRAVITY_M_S2}",
-    )
+    expected = f"expected about {STANDARD_GRAVITY_M_S2}"
+    return (f"the accelerometer reads {felt:.4g} m/s² at rest, {expected}",)
 
 
 def saturated_axes(imu: ImuStream) -> tuple[str, ...]:

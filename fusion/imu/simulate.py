@@ -131,10 +131,9 @@ def simulate_imu(
     path = _as_path(world_T_imu, rate_hz, knot_spacing_s, imu_T_child)
     check_count(_count(path, rate_hz), f"rate_hz of {rate_hz:g}")
     sensor = SimulatedSensor(
-        path, rate_hz, noise, rng, checked_positive(gravity_m_s2, "gravity_m_s2"), faults, vibration
+        path, rate_hz, noise, rng, gravity_m_s2, faults, vibration, time_offset_s
     )
-    offset_ns = checked_span_ns(time_offset_s, "time_offset_s")
-    return _simulated(Readings.joined(list(sensor.blocks())), path, offset_ns)
+    return sensor.simulated(Readings.joined(list(sensor.blocks())))
 
 
 def simulate_imu_in_chunks(
@@ -180,10 +179,9 @@ def simulate_imu_in_chunks(
             f"{_count(path, rate_hz):.6g}; choose a lower rate or a shorter time"
         )
     sensor = SimulatedSensor(
-        path, rate_hz, noise, rng, checked_positive(gravity_m_s2, "gravity_m_s2"), faults, vibration
+        path, rate_hz, noise, rng, gravity_m_s2, faults, vibration, time_offset_s
     )
-    offset_ns = checked_span_ns(time_offset_s, "time_offset_s")
-    return (_simulated(readings, path, offset_ns) for readings in _cut(sensor.blocks(), chunk_size))
+    return map(sensor.simulated, _cut(sensor.blocks(), chunk_size))
 
 
 def _as_path(
@@ -200,18 +198,6 @@ def _as_path(
 
 def _count(path: ContinuousPath, rate_hz: float) -> float:
     return sum((last - first) * rate_hz for first, last in path.segments_s)
-
-
-def _simulated(readings: Readings, path: ContinuousPath, offset_ns: int) -> SimulatedImu:
-    return SimulatedImu(
-        ImuStream(
-            readings.time_ns + offset_ns, readings.angular_rate_rad_s, readings.specific_force_m_s2
-        ),
-        readings.gyro_bias_rad_s,
-        readings.accel_bias_m_s2,
-        Trajectory(readings.true_ns, Motor(readings.pose), path.parent, path.child),
-        readings.velocity_m_s,
-    )
 
 
 def _cut(blocks: Iterator[Readings], size: int) -> Iterator[Readings]:
@@ -257,14 +243,13 @@ class Readings:
 
     @staticmethod
     def joined(parts: list[Readings]) -> Readings:
-        """One after another; the list is emptied on the way, so that no two copies stay."""
+        """One after another."""
         if len(parts) == 1:
             return parts[0]
-        columns = [
-            np.concatenate([getattr(part, field.name) for part in parts])
-            for field in fields(Readings)
-        ]
-        return Readings(*columns)
+        names = [field.name for field in fields(Readings)]
+        return Readings(
+            *(np.concatenate([getattr(part, name) for part in parts]) for name in names)
+        )
 
 
 class SimulatedSensor:
@@ -284,9 +269,12 @@ class SimulatedSensor:
         gravity_m_s2: float,
         faults: ImuFaults,
         vibration: VibrationSpectrum | None,
+        time_offset_s: float,
     ) -> None:
         _check_rate(faults, rate_hz)
-        self._path, self._faults, self._gravity = path, faults, gravity_m_s2
+        self._path, self._faults = path, faults
+        self._gravity = checked_positive(gravity_m_s2, "gravity_m_s2")
+        self._offset_ns = checked_span_ns(time_offset_s, "time_offset_s")
         self._stamps = _EvenStamps(path, rate_hz)
         self._step_ns = 1e9 / rate_hz
         count = self._stamps.count
@@ -303,23 +291,33 @@ class SimulatedSensor:
             Flicker(np.asarray(b), rate_hz, path.duration_s, rng) if np.any(b) else None
             for b in (faults.gyro_flicker_rad_s, faults.accel_flicker_m_s2)
         ]
-        gyro, accel = (
-            [np.asarray(one) for one in drift]
-            for drift in (
-                (faults.gyro_bias_rad_s, faults.gyro_bias_rad_s_k, faults.gyro_scale_k),
-                (faults.accel_bias_m_s2, faults.accel_bias_m_s2_k, faults.accel_scale_k),
+        drifts = (
+            (faults.gyro_bias_rad_s, faults.gyro_bias_rad_s_k, faults.gyro_scale_k),
+            (faults.accel_bias_m_s2, faults.accel_bias_m_s2_k, faults.accel_scale_k),
+        )
+        self._errors = [
+            _Errors(np.asarray(bias), np.asarray(bias_k), np.asarray(scale_k), *noises)
+            for (bias, bias_k, scale_k), noises in zip(
+                drifts, zip(walks, flicker, white, strict=True), strict=True
             )
-        )
-        self._errors = (
-            _Errors(gyro[0], gyro[1], gyro[2], walks[0], flicker[0], white[0]),
-            _Errors(accel[0], accel[1], accel[2], walks[1], flicker[1], white[1]),
-        )
+        ]
         self._jitter = own_generator(rng) if faults.stamp_jitter_s > 0.0 else None
         cutoffs = faults.gyro_lowpass_hz, faults.accel_lowpass_hz
         self._vibration = None
         if vibration is not None:
             self._vibration = VibrationNoise(vibration, rate_hz, cutoffs, BLOCK, rng)
         self._lowpass = [LowPass(hz, rate_hz) if np.isfinite(hz) else None for hz in cutoffs]
+
+    def simulated(self, readings: Readings) -> SimulatedImu:
+        """Readings as the sensor's clock stamps them, and their ground truth."""
+        stamps, path = readings.time_ns + self._offset_ns, self._path
+        return SimulatedImu(
+            ImuStream(stamps, readings.angular_rate_rad_s, readings.specific_force_m_s2),
+            readings.gyro_bias_rad_s,
+            readings.accel_bias_m_s2,
+            Trajectory(readings.true_ns, Motor(readings.pose), path.parent, path.child),
+            readings.velocity_m_s,
+        )
 
     def blocks(self) -> Iterator[Readings]:
         """All readings, in blocks that may be empty where samples were lost."""
@@ -363,10 +361,10 @@ class SimulatedSensor:
         sensitivity = np.asarray(faults.gyro_g_sensitivity_rad_s_m)
         if np.any(sensitivity):
             rate += specific_force_m_s2(moved[0], self._gravity) @ sensitivity.T
-        if self._lowpass[0] is not None:
-            rate = self._lowpass[0].block(rate, begins)
-        if self._lowpass[1] is not None:
-            force = self._lowpass[1].block(force, begins)
+        rate, force = (
+            signal if lowpass is None else lowpass.block(signal, begins)
+            for signal, lowpass in zip((rate, force), self._lowpass, strict=True)
+        )
         if self._vibration is not None:
             vibrating = self._vibration.block()[: len(true_ns)]
             rate += vibrating[:, :3] @ faults.gyro_matrix.T + vibrating[:, 3:] @ sensitivity.T
@@ -467,10 +465,8 @@ class _EvenStamps:
         self._first = np.concatenate([[0], np.cumsum(counts)])
         self.count = int(self._first[-1])
         if self.count < 2:
-            raise ValueError(
-                f"rate_hz: expected two samples or more within {path.duration_s} s, got "
-                f"{rate_hz} Hz"
-            )
+            expected = f"expected two samples or more within {path.duration_s} s"
+            raise ValueError(f"rate_hz: {expected}, got {rate_hz} Hz")
 
     def between(self, first: int, last: int) -> tuple[IntArray, IntArray, IntArray]:
         """Stamps ``(n,)`` from one number to before another, and the starts of their segments.

@@ -115,11 +115,9 @@ class VibrationSpectrum:
                 f"its vibration from, got {(part.stop - part.start) / rate_hz:.1f} s"
             )
         spectra = []
-        densities = (0.0, 0.0)
-        if noise is not None:
-            densities = (noise.gyro_density_rad_s_rthz, noise.accel_density_m_s2_rthz)
-        for values, density in zip(
-            (imu.angular_rate_rad_s, imu.specific_force_m_s2), densities, strict=True
+        for values, density in (
+            (imu.angular_rate_rad_s, noise.gyro_density_rad_s_rthz if noise else 0.0),
+            (imu.specific_force_m_s2, noise.accel_density_m_s2_rthz if noise else 0.0),
         ):
             hz, power = welch(values[part], rate_hz, nperseg=window, axis=0)
             power = np.maximum(power - 2.0 * density**2, 0.0)
@@ -179,9 +177,8 @@ class VibrationNoise:
             ]
         )
         # Even about its middle; white noise of deviation one has the density 2 / rate.
-        kernel = np.roll(
-            np.fft.irfft(np.sqrt(0.5 * rate_hz * power), axis=-1), length // 2, axis=-1
-        )
+        response = np.fft.irfft(np.sqrt(0.5 * rate_hz * power), axis=-1)
+        kernel = np.roll(response, length // 2, axis=-1)
         self._rng, self._size = own_generator(rng), block + length - 1
         self._response = np.fft.rfft(kernel, self._size, axis=-1)
         self._white = self._rng.standard_normal((length - 1, 6)).T
@@ -294,15 +291,12 @@ class Flicker:
         lowest_hz = _LOWEST_PERIODS / duration_s
         octaves = np.log(_HIGHEST_POLE * rate_hz / lowest_hz) / np.log(_POLE_RATIO)
         poles_hz = _HIGHEST_POLE * rate_hz * _POLE_RATIO ** -np.arange(np.ceil(octaves) + 1)
-        zero, pole = (
-            np.exp(-2.0 * np.pi * hz / rate_hz)
-            for hz in (poles_hz * np.sqrt(_POLE_RATIO), poles_hz)
-        )
+        zeros_hz = poles_hz * np.sqrt(_POLE_RATIO)
+        zero, pole = np.exp(-2.0 * np.pi * np.stack([zeros_hz, poles_hz]) / rate_hz)
         unit, none = np.ones_like(pole), np.zeros_like(pole)
         self._sections = np.stack([unit, -zero, none, unit, -pole, none], axis=-1)
-        self._gain = np.asarray(instability) * self._unit_gain(
-            rate_hz, float(np.sqrt(np.prod(poles_hz[[0, -1]])))
-        )
+        middle_hz = float(np.sqrt(np.prod(poles_hz[[0, -1]])))
+        self._gain = np.asarray(instability) * self._unit_gain(rate_hz, middle_hz)
         self._state = np.zeros((len(poles_hz), 2, 3))
         self._rng = own_generator(rng)
 

@@ -21,6 +21,7 @@ from motorcade.fusion.orientation.native import _orientation
 from motorcade.fusion.orientation.native._orientation import Settings
 from motorcade.ga import Rotor
 from motorcade.ga.arrays import FloatArray, IntArray, checked_positive
+from motorcade.ga.names import check_word
 
 _MOST_FIELD = 1e9
 _USUAL = replace(ADIS16448, gyro_walk_rad_s2_rthz=2e-4)
@@ -93,11 +94,7 @@ class OrientationModel:
         for field in fields(self):
             if field.type == "float":
                 checked_positive(getattr(self, field.name), f"OrientationModel.{field.name}")
-        if self.readings not in ("instant", "interval"):
-            raise ValueError(
-                'OrientationModel.readings: expected "instant" or "interval", '
-                f"got {self.readings!r}"
-            )
+        check_word(self.readings, ("instant", "interval"), "OrientationModel.readings")
 
     @property
     def level_deviation_rad(self) -> float:

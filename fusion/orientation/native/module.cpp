@@ -74,7 +74,6 @@ public:
     double tilt_deviation() const { return filter_.tilt_deviation(); }
     double heading_deviation() const { return filter_.heading_deviation(); }
     double field_deviation() const { return filter_.field().deviation(); }
-    double magnetometer_lag() const { return filter_.field().lag(); }
 
 private:
     Filter filter_;
@@ -243,8 +242,7 @@ NB_MODULE(_orientation, module) {
         .def_prop_ro("at_rest", &Stream::at_rest)
         .def_prop_ro("tilt_deviation", &Stream::tilt_deviation)
         .def_prop_ro("heading_deviation", &Stream::heading_deviation)
-        .def_prop_ro("field_deviation", &Stream::field_deviation)
-        .def_prop_ro("magnetometer_lag", &Stream::magnetometer_lag);
+        .def_prop_ro("field_deviation", &Stream::field_deviation);
     module.def("run", &run, "settings"_a, "rates"_a, "forces"_a, "fields"_a.none(), "time_ns"_a,
                "backward"_a, "rotors"_a, "biases"_a, "deviations"_a, "disturbances"_a, "rest"_a);
 }

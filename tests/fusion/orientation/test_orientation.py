@@ -198,7 +198,7 @@ def test_bad_input_is_refused():
     for change, message in [
         ({"speed_m_s": 0.0}, "speed_m_s: expected a number above 0, got 0.0"),
         ({"interval_s": float("nan")}, "interval_s: expected a number above 0, got nan"),
-        ({"readings": "mean"}, 'expected "instant" or "interval", got \'mean\''),
+        ({"readings": "mean"}, "expected one of instant, interval, got 'mean'"),
     ]:
         with pytest.raises(ValueError, match=message):
             refuse(change)()
