@@ -42,11 +42,11 @@ class Jitter:
 
 
 def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatArray]:
-    """Second differences at the inner stamps of poses ``(N,)``, exact for constant acceleration.
+    """Second differences at the inner stamps of poses ``(*, N)``, exact for constant acceleration.
 
     Returns:
-        Linear acceleration in the world ``(N-2, 3)`` in m/s², and angular acceleration in the
-        moving frame ``(N-2, 3)`` in rad/s² (steps must turn by less than π).
+        Linear acceleration in the world ``(*, N-2, 3)`` in m/s², and angular acceleration in the
+        moving frame ``(*, N-2, 3)`` in rad/s² (steps must turn by less than π).
 
     Examples:
         >>> import numpy as np
@@ -59,15 +59,15 @@ def accelerations(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatAr
         array([-9.81, -9.81])
     """
     between = 0.5 * (time_s[2:] - time_s[:-2])[:, None]
-    velocity, rate = _rates(time_s, poses)
-    return np.diff(velocity, axis=0) / between, np.diff(rate, axis=0) / between
+    velocity, rate = rates(time_s, poses)
+    return np.diff(velocity, axis=-2) / between, np.diff(rate, axis=-2) / between
 
 
-def _rates(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatArray]:
-    """Velocity in the world, angular rate in the moving frame, ``(N-1, 3)`` from pose to pose."""
+def rates(time_s: FloatArray, poses: Motor) -> tuple[FloatArray, FloatArray]:
+    """Velocity in the world, angular rate in the moving frame, ``(*, N-1, 3)``, pose to pose."""
     steps = np.diff(time_s)[:, None]
-    turns = (poses[:-1].rotor.inverse() @ poses[1:].rotor).as_rotation_vector()
-    return np.diff(poses.translation_m, axis=0) / steps, turns / steps
+    turns = (poses[..., :-1].rotor.inverse() @ poses[..., 1:].rotor).as_rotation_vector()
+    return np.diff(poses.translation_m, axis=-2) / steps, turns / steps
 
 
 def jitter(estimate: Trajectory, truth: Trajectory) -> Jitter:
@@ -244,7 +244,7 @@ def log_dimensionless_jerk(trajectory: Trajectory) -> Smoothness:
             f"log dimensionless jerk: expected 5 or more poses, got {len(trajectory)}"
         )
     time_s, poses = trajectory.time_s, trajectory.motors
-    velocity, rate = _rates(time_s, poses)
+    velocity, rate = rates(time_s, poses)
     linear, angular = accelerations(time_s, poses)
     size_m = float(np.max(np.abs(poses.translation_m)))
     return Smoothness(_score(time_s, velocity, linear, size_m), _score(time_s, rate, angular, 1.0))

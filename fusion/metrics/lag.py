@@ -196,7 +196,7 @@ def _peak(
             f"lag: expected a peak of the correlation within ±{limit_s:.3f} s, got one at the edge"
         )
     peak = _refined(ours, true, float(lags[best]))
-    error_s = _standard_error_s(ours, *_scores(ours, true, peak))
+    error_s = standard_error_s(ours, *_scores(ours, true, peak))
     if not error_s <= largest_error_s:
         raise NotObservableError(
             f"lag: expected a peak of the correlation known to {1e3 * largest_error_s:.3g} ms, "
@@ -246,22 +246,28 @@ def _refined(ours: FloatArray, true: Callable[[float], FloatArray], peak: float)
 def _scores(
     ours: FloatArray, true: Callable[[float], FloatArray], lag: float
 ) -> tuple[FloatArray, float]:
+    """`fit_scores` at a lag."""
+    step = _PEAK_TOLERANCE_S
+    return fit_scores(ours, true(lag), (true(lag + step) - true(lag - step)) / (2.0 * step))
+
+
+def fit_scores(
+    ours: FloatArray, true: FloatArray, derivative: FloatArray
+) -> tuple[FloatArray, float]:
     """Each stamp's share (N,) in the slope of the fit of `true` to `ours`, and its curvature.
 
-    The fit is ``ours ≈ scale · true(lag) + offset``, whose best lag is the correlation's peak; the
-    part of the derivative that scale and offset could take is left out. Where `true` runs against
-    `ours`, nothing fits and both are zero.
+    All are ``(N, 3)``, the derivative is by the lag. The fit is ``ours ≈ scale · true(lag) +
+    offset``, whose best lag is the correlation's peak; the part of the derivative that scale and
+    offset could take is left out. Where `true` runs against `ours`, nothing fits and both are zero.
     """
-    step = _PEAK_TOLERANCE_S
-    derivative = (true(lag + step) - true(lag - step)) / (2.0 * step)
-    a, b, change = (x - x.mean(axis=0) for x in (ours, true(lag), derivative))
+    a, b, change = (x - x.mean(axis=0) for x in (ours, true, derivative))
     size = float(np.sum(b * b))
     scale = max(float(np.sum(a * b)) / size, 0.0)
     change = scale * (change - b * (float(np.sum(b * change)) / size))
     return np.sum((a - scale * b) * change, axis=1), float(np.sum(change * change))
 
 
-def _standard_error_s(ours: FloatArray, scores: FloatArray, curvature: float) -> float:
+def standard_error_s(ours: FloatArray, scores: FloatArray, curvature: float) -> float:
     """Standard error of the peak, by batch means: errors of neighbouring stamps go together.
 
     It holds for slow errors of positions as for white ones; for rates, whose errors cancel from

@@ -25,8 +25,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.metrics import log_scales
+from motorcade.fusion.metrics import accelerations, log_scales
 from motorcade.fusion.metrics.artifacts import stops, winding_count
+from motorcade.fusion.metrics.jitter import rates
+from motorcade.fusion.metrics.lag import fit_scores, standard_error_s
 from motorcade.fusion.metrics.smooth_path import SmoothPath
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.ga import Motor, Rotor, Similarity, Trajectory
@@ -284,7 +286,7 @@ class PathEvaluator:
             [
                 self._errors(poses, log_scale),
                 1e3 * self._positions.lags_s(poses.translation_m),
-                1e3 * self._rates.lags_s(self._rates_of(poses)),
+                1e3 * self._rates.lags_s(rates(self.time_s, poses)[1]),
                 self._overshoot(poses),
                 self._turning(poses),
             ],
@@ -306,12 +308,8 @@ class PathEvaluator:
         return np.stack([ape, rotation, *jitter, scale], axis=-1)
 
     def _accelerations(self, poses: Motor) -> tuple[FloatArray, FloatArray]:
-        """As `fusion.metrics.accelerations`, of many paths, without those across holes."""
-        steps = np.diff(self.time_s)[:, None]
-        between = 0.5 * (steps[1:] + steps[:-1])
-        rate = (poses[..., :-1].rotor.inverse() @ poses[..., 1:].rotor).as_rotation_vector()
-        velocity = np.diff(poses.translation_m, axis=-2) / steps
-        linear, angular = (np.diff(v, axis=-2) / between for v in (velocity, rate / steps))
+        """Of many paths, without those across gaps."""
+        linear, angular = accelerations(self.time_s, poses)
         return linear[..., self._whole, :], angular[..., self._whole, :]
 
     @functools.cached_property
@@ -321,10 +319,6 @@ class PathEvaluator:
     @functools.cached_property
     def _rates(self) -> LagTable:
         return LagTable.of_rates(self.truth, self.time_s)
-
-    def _rates_of(self, poses: Motor) -> FloatArray:
-        turns = poses[..., :-1].rotor.inverse() @ poses[..., 1:].rotor
-        return turns.as_rotation_vector() / np.diff(self.time_s)[:, None]
 
     def _overshoot(self, poses: Motor) -> FloatArray:
         """Largest overshoot of position in metres and rotation in degrees ``(P, 2)``."""
@@ -389,7 +383,6 @@ _LARGEST_S = 0.5
 _FEWEST = 4
 # Rates from the table are that even where the motion is.
 _EVEN = 1e-6
-_BATCHES = 20
 _LONGEST_STEP_S = 0.25
 _AROUND = np.arange(-2, 3)
 # Coefficients of the quartic through values at -2 ... 2.
@@ -498,7 +491,7 @@ def _top(height: FloatArray, start: float) -> float:
 
 
 def _standard_error_s(ours: FloatArray, true: FloatArray, x: float) -> float:
-    """Standard error of a peak, by batch means; see `fusion.metrics.lag`.
+    """Standard error of a peak.
 
     `ours` ``(K, 3)`` is centred, and so is the ground truth ``(3, K, 3)`` at the lags around the
     peak, which lies `x` steps from the middle one.
@@ -506,15 +499,4 @@ def _standard_error_s(ours: FloatArray, true: FloatArray, x: float) -> float:
     value = np.array([1.0, x, x * x]) @ _PARABOLA
     rate = np.array([0.0, 1.0, 2.0 * x]) @ _PARABOLA / _STEP_S
     b, change = np.tensordot(value, true, 1), np.tensordot(rate, true, 1)
-    size = float(np.sum(b * b))
-    scale = max(float(np.sum(ours * b)) / size, 0.0)
-    change = scale * (change - b * (float(np.sum(b * change)) / size))
-    curvature = float(np.sum(change * change))
-    if curvature <= 0.0:
-        return np.inf
-    scores = np.sum((ours - scale * b) * change, axis=1)
-    count = min(_BATCHES, scores.size)
-    batches = np.array([batch.sum() for batch in np.array_split(scores, count)])
-    variance = count / (count - 1) * float(np.sum(batches**2))
-    level = np.finfo(np.float64).eps * float(np.sum(ours**2))
-    return float(np.sqrt(variance + level * curvature)) / curvature
+    return standard_error_s(ours, *fit_scores(ours, b, change))

@@ -33,7 +33,7 @@ from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.smoothing import METHODS, REPRESENTATION_NAMES, REPRESENTATIONS, smooth
 from motorcade.fusion.smoothing.representations import BEST_EULER
 from motorcade.ga import Motor, Similarity, Trajectory
-from motorcade.ga.arrays import FloatArray
+from motorcade.ga.arrays import FloatArray, checked_positive
 from motorcade.ga.names import did_you_mean
 from motorcade.replays.comparison.evaluator import METRICS, PathEvaluator, RecordedMotion, truth_of
 
@@ -144,8 +144,7 @@ class ComparisonPlan:
                 f"plan.tuning_seeds: expected other seeds than test_seeds, got {both} in both"
             )
         for name in ("rate_hz", "duration_s"):
-            if not 0.0 < getattr(self, name) < np.inf:
-                raise ValueError(f"plan.{name}: expected above 0, got {getattr(self, name)}")
+            checked_positive(getattr(self, name), f"plan.{name}")
 
     def recording(self, motion: str) -> RecordedMotion | None:
         """The file of a motion; None of those with a formula."""

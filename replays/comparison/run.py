@@ -17,8 +17,9 @@ scale together. Splines fitted to motors weigh rotations and translations in one
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -366,6 +367,7 @@ _POSITIONS_APART = (
 def exact_ties() -> list[dict[str, Any]]:
     """Every tie with what theory says and what was measured on a noisy path of 300 poses."""
     path = _noisy("walk_and_look")
+    linear = smooth(path, "gaussian", "dual_quaternion", sigma_s=0.1, order=0)
     rows = [
         _tie_row(
             "the linear blend of rigid motors is the dual quaternion linear blend",
@@ -373,14 +375,11 @@ def exact_ties() -> list[dict[str, Any]]:
             "sign, and both are projected to the nearest unit one",
             "gaussian of order 0",
             ("motors blended", "dual_quaternion"),
-            _apart(
-                _blended(path, 0.1),
-                smooth(path, "gaussian", "dual_quaternion", sigma_s=0.1, order=0),
-            ),
+            _apart(_blended(path, 0.1), linear),
         )
     ]
     for method in _POSITIONS_APART:
-        smoothed = _cached(path, method)
+        smoothed = cache(partial(smooth, path, method))
         for theory, reason, first, second, which, methods in _LAWS:
             if method not in methods:
                 continue
@@ -437,17 +436,6 @@ _LAWS = (
 def _noisy(motion: str) -> Trajectory:
     clean = MOTIONS[motion].sampled(30.0, 10.0)
     return Gaussian(0.005, float(np.deg2rad(0.5))).apply(clean, np.random.default_rng(20240229))
-
-
-def _cached(path: Trajectory, method: str) -> Callable[[str], Trajectory]:
-    paths: dict[str, Trajectory] = {}
-
-    def smoothed(representation: str) -> Trajectory:
-        if representation not in paths:
-            paths[representation] = smooth(path, method, representation)
-        return paths[representation]
-
-    return smoothed
 
 
 def _blended(path: Trajectory, sigma_s: float) -> Trajectory:

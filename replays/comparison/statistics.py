@@ -127,11 +127,8 @@ def grouped(samples: Iterable[Sample]) -> list[Group]:
 
 
 def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Group:
-    names = tuple(
-        dict.fromkeys(
-            [RAW, *(name for parts in seeds.values() for part in parts for name in part.names)]
-        )
-    )
+    others = (name for parts in seeds.values() for part in parts for name in part.names)
+    names = tuple(dict.fromkeys([RAW, *others]))
     column = {name: i for i, name in enumerate(names)}
     values = np.full((len(seeds), len(names), len(METRICS)), np.nan)
     failures: list[tuple[int, str]] = [(0, "") for _ in names]
@@ -142,14 +139,7 @@ def _group(motion: str, degradation: str, seeds: dict[int, list[Sample]]) -> Gro
                 if failure:
                     count, first = failures[column[name]]
                     failures[column[name]] = (count + 1, first or failure)
-    return Group(
-        motion,
-        degradation,
-        names,
-        tuple(seeds),
-        values,
-        tuple(failures),
-    )
+    return Group(motion, degradation, names, tuple(seeds), values, tuple(failures))
 
 
 def cost(values: FloatArray) -> FloatArray:

@@ -58,7 +58,7 @@ from motorcade.replays.comparison.tuning import RANGES, Tuned
 from motorcade.replays.io.files import write_bytes, write_csv
 
 FORMAT = "motorcade comparison 2"
-_PLACE = ("motion", "degradation", "method", "representation")
+PLACE = ("motion", "degradation", "method", "representation")
 _CELLS = (
     "motion",
     "degradation",
@@ -71,7 +71,7 @@ _CELLS = (
     "failure",
 )
 _GROUPS = (
-    *_PLACE,
+    *PLACE,
     "metric",
     "seeds",
     "mean",
@@ -154,25 +154,22 @@ def _group_rows(group: Group) -> Iterable[list[Any]]:
         for k, metric in enumerate(METRICS):
             known = int(np.count_nonzero(np.isfinite(group.values[:, i, k])))
             raw = means.mean[at[RAW], k]
-            figures = [
-                means.mean[i, k],
-                means.low[i, k],
-                means.high[i, k],
-                means.mean[i, k] / raw if raw else np.nan,
-            ]
-            versus = [part[i, k] for part in (from_motor.mean, from_motor.low, from_motor.high)]
-            against = [part[i, k] for part in (from_best.mean, from_best.low, from_best.high)]
             yield [
                 group.motion,
                 group.degradation,
                 *name,
                 metric,
                 known,
-                *(_number(v, 6) for v in figures),
-                *(_number(v, 6) for v in versus),
+                *_interval_numbers(means, i, k),
+                _number(means.mean[i, k] / raw if raw else np.nan, 6),
+                *_interval_numbers(from_motor, i, k),
                 said[k] if name[1] not in ("motor", "none") else "",
-                *(_number(v, 6) for v in against),
+                *_interval_numbers(from_best, i, k),
             ]
+
+
+def _interval_numbers(intervals: Intervals, i: int, k: int) -> list[str]:
+    return [_number(part[i, k], 6) for part in (intervals.mean, intervals.low, intervals.high)]
 
 
 def _at(intervals: Intervals, i: int) -> Intervals:
@@ -185,7 +182,7 @@ def _argmin(column: FloatArray) -> int:
 
 def _failures(group: Group) -> list[dict[str, Any]]:
     return [
-        dict(zip(_PLACE, (group.motion, group.degradation, *name), strict=True))
+        dict(zip(PLACE, (group.motion, group.degradation, *name), strict=True))
         | {"seeds": count, "failure": first}
         for name, (count, first) in zip(group.names, group.failures, strict=True)
         if count
@@ -193,7 +190,7 @@ def _failures(group: Group) -> list[dict[str, Any]]:
 
 
 def _parameters(place: tuple[str, str, str, str], tuned: Tuned) -> dict[str, Any]:
-    return dict(zip(_PLACE, place, strict=True)) | {
+    return dict(zip(PLACE, place, strict=True)) | {
         "parameters": dict(tuned.setting.parameters),
         "how": tuned.how,
         "objective": tuned.objective,
@@ -207,9 +204,8 @@ def _counted(rows: Iterable[Sequence[Any]]) -> list[dict[str, Any]]:
     for row in rows:
         if row[verdict_at]:
             key = (row[2], row[3], row[4])
-            counts = places.setdefault(
-                key, {"better": 0, "tie": 0, "equal": 0, "worse": 0, "better_at": []}
-            )
+            none = {"better": 0, "tie": 0, "equal": 0, "worse": 0, "better_at": []}
+            counts = places.setdefault(key, none)
             counts[row[verdict_at]] += 1
             if row[verdict_at] == "better":
                 counts["better_at"].append(list(row[:2]))
@@ -251,9 +247,7 @@ def _representations(results: Mapping[str, Any]) -> list[str]:
     rows = [
         ratio
         for ratio in results["ratios_to_motor"]
-        if ratio["method"] == "all"
-        and ratio["scope"] == "all"
-        and ratio["representation"] != "motor"
+        if ratio["method"] == ratio["scope"] == "all" and ratio["representation"] != "motor"
     ]
     lines = [f"{'times what motors leave, all methods':<38}" + "".join(f"{m:<24}" for m in metrics)]
     for name in dict.fromkeys(row["representation"] for row in rows):

@@ -22,6 +22,7 @@ from motorcade.render.plots.style import with_own_ids
 from motorcade.replays.comparison.plan import DegradedMotion, Setting
 from motorcade.replays.comparison.report.matrix import LABELS, shown
 from motorcade.replays.comparison.report.results import REFERENCE, Results
+from motorcade.replays.comparison.tables import PLACE
 from motorcade.replays.web.pages import PagePlot
 
 
@@ -103,28 +104,18 @@ def replay(results: Results, motion: str, degradation: str, method: str) -> Repl
     degraded, evaluator = DegradedMotion(
         motion, degradation, seed, plan["rate_hz"], plan["duration_s"]
     ).drawn()
+    failed = {tuple(row[key] for key in PLACE) for row in results.document["failures"]}
     rigid = MOTIONS[motion].versor is Motor and REFERENCE in results.representations
     paths = {}
     for (name, representation), row in results.parameters(motion, degradation).items():
         drawn = representation in results.representations
         if name != method or not drawn or (rigid and representation == "similarity"):
             continue
-        if any(
-            _at(failure) == (motion, degradation, *_pair(row))
-            for failure in results.document["failures"]
-        ):
+        if (motion, degradation, method, representation) in failed:
             continue
         setting = Setting(method, representation, tuple(row["parameters"].items()))
         paths[representation] = setting.smooth(degraded).poses.rigid
     return Replayed(motion, degradation, method, seed, evaluator.time_s, evaluator.true, paths)
-
-
-def _pair(row: Mapping[str, str]) -> tuple[str, str]:
-    return row["method"], row["representation"]
-
-
-def _at(row: Mapping[str, str]) -> tuple[str, str, str, str]:
-    return row["motion"], row["degradation"], *_pair(row)
 
 
 _LOWEST_DEG = 1e-3
@@ -178,9 +169,7 @@ def large_panels(drawn: Replayed) -> list[PagePlot]:
 
 def _nested(values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """The ground truth on top, then what is drawn widest at the bottom first."""
-    return {n: v for n, v in values.items() if n != "truth"} | {
-        n: v for n, v in values.items() if n == "truth"
-    }
+    return dict(sorted(values.items(), key=lambda item: item[0] == "truth"))
 
 
 _SHOWN = ("euler", "euler_unwrapped", "quaternion", "motor")

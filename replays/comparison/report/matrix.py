@@ -447,19 +447,17 @@ def trait_matrices(results: Results) -> list[Matrix]:
         ("right", "sensor's frame", "The same for the frame of the sensor: another mount."),
         ("time", "time a pose", f"Microseconds a pose over {poses} poses, called from Python."),
     )
-    matrices = []
-    for key, title, caption in tables:
-        body = [
-            (method, [_cell(rows.get((method, one)), key) for one in results.representations])
-            for method in results.methods
-        ]
-        matrices.append(
-            Matrix(f"trait-{key}", "", title, caption, "method", results.representations, body)
-        )
-    return matrices
+
+    def matrix(key: str, title: str, caption: str) -> Matrix:
+        def cell(method: str, representation: str) -> PageCell:
+            return _trait_cell(rows.get((method, representation)), key)
+
+        return _matrix(results, f"trait-{key}", "", title, caption, cell)
+
+    return [matrix(*table) for table in tables]
 
 
-def _cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
+def _trait_cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
     if row is None:
         return PageCell("–", math.nan, "none")
     if key == "time":

@@ -85,7 +85,7 @@ def test_seeds_are_disjoint_and_stand_in_the_results(small: Path) -> None:
         ({"methods": ("exponental",)}, "did you mean exponential"),
         ({"motions": ()}, "plan.motions: expected one or more"),
         ({"test_seeds": (3, 3)}, "plan.test_seeds"),
-        ({"duration_s": 0.0}, "plan.duration_s: expected above 0"),
+        ({"duration_s": 0.0}, "plan.duration_s: expected a number above 0"),
     ],
 )
 def test_plans_that_make_no_sense_are_refused(change: Mapping[str, Any], message: str) -> None:
