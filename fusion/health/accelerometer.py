@@ -27,6 +27,7 @@ from motorcade.fusion.imu.stream import GRAVITY_SHARE, ImuStream
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
+ForceState = Literal["sound", "named", "gravity", "unexplained", "unknown"]
 FORCE_UNITS = {9.80665: "g", 9.80665e-3: "milli-g", 0.3048: "ft/s²", 0.01: "cm/s²"}
 """What readings must be multiplied by, and the unit that they are then in."""
 LEAN_RAD = float(np.deg2rad(5.0))
@@ -56,7 +57,7 @@ class ForceVerdict:
         agrees: whether the gyroscope's verdict explains these readings as well.
     """
 
-    state: Literal["sound", "named", "gravity", "unexplained", "unknown"]
+    state: ForceState
     axes: AxesVerdict | None
     gravity_m_s2: FloatArray
     bias_m_s2: FloatArray
@@ -190,11 +191,10 @@ class ForceTrial:
         lever, sigma = camera_T_imu.translation_m, _LEVER_SIGMA_M
         if not self.known:
             lever, sigma = np.zeros(3), 1.0
+        gravity, gravity_sigma = [0.0] * 3, [_ANY_GRAVITY_M_S2] * 3
         if self.up:
             gravity = [0.0, 0.0, -self.gravity_m_s2]
             gravity_sigma = [across, across, _SIZE_SIGMA_M_S2]
-        else:
-            gravity, gravity_sigma = [0.0] * 3, [_ANY_GRAVITY_M_S2] * 3
         prior = Prior(
             np.array([*gravity, 0.0, 0.0, 0.0, *lever]),
             np.array([*gravity_sigma, *[ACCEL_BIAS_SIGMA_M_S2] * 3, *[sigma] * 3]),
@@ -207,13 +207,7 @@ class ForceTrial:
         mean[:3], sigma[:3] = 0.0, _ANY_GRAVITY_M_S2
         return replace(evidence, prior=Prior(mean, sigma), gravity=None)
 
-    def _verdict(
-        self,
-        state: Literal["sound", "named", "gravity", "unexplained"],
-        axes: AxesVerdict,
-        *,
-        agrees: bool,
-    ) -> ForceVerdict:
+    def _verdict(self, state: ForceState, axes: AxesVerdict, *, agrees: bool) -> ForceVerdict:
         besides = axes.fit.values[-9:]
         return ForceVerdict(state, axes, besides[:3], besides[3:6], agrees)
 

@@ -24,6 +24,7 @@ from motorcade.fusion.imu.stream import ImuStream
 from motorcade.ga import Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
+RateState = Literal["sound", "named", "unexplained", "unrelated", "unknown"]
 RATE_UNITS = {float(np.deg2rad(1.0)): "degrees a second", 1e-3: "thousandths of a radian a second"}
 """What readings must be multiplied by, and the unit that they are then in."""
 LAG_TOLERANCE_S = 0.01
@@ -62,7 +63,7 @@ class RateVerdict:
             noise included; zero where both agree.
     """
 
-    state: Literal["sound", "named", "unexplained", "unrelated", "unknown"]
+    state: RateState
     axes: AxesVerdict | None
     lag_s: float
     lag_sigma_s: float
@@ -226,9 +227,7 @@ def _explained(evidence: dict[Base, AxesEvidence]) -> AxesVerdict:
     return judge_axes(evidence, tuple(RATE_UNITS), _SEARCHED * needed)
 
 
-def _state(
-    axes: AxesVerdict, evidence: AxesEvidence
-) -> Literal["sound", "named", "unexplained", "unrelated", "unknown"]:
+def _state(axes: AxesVerdict, evidence: AxesEvidence) -> RateState:
     """What the readings mean: of those that tell nothing, whether sound ones would have told."""
     if axes.state == "sound":
         return "sound"
@@ -253,10 +252,7 @@ def _sizes(evidence: AxesEvidence) -> tuple[float, float]:
 
 
 def _verdict(
-    state: Literal["sound", "named", "unexplained", "unrelated", "unknown"],
-    axes: AxesVerdict,
-    evidence: AxesEvidence,
-    lag_s: float,
+    state: RateState, axes: AxesVerdict, evidence: AxesEvidence, lag_s: float
 ) -> RateVerdict:
     values, sigmas = axes.fit.values[-4:], axes.fit.deviations[-4:]
     explained = state in ("sound", "named")

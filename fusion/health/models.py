@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from motorcade.ga.arrays import FloatArray
 
 Base = Literal["stated", "inverted"]
+State = Literal["sound", "named", "unexplained", "nothing"]
 Model = tuple[Base, FloatArray]
 """Which way round the extrinsics are to be read, and a signed permutation ``(3, 3)``."""
 
@@ -61,7 +62,7 @@ class AxesVerdict:
         scales: of the axes of the readings, where one of them differs from the others.
     """
 
-    state: Literal["sound", "named", "unexplained", "nothing"]
+    state: State
     base: Base
     permutation: FloatArray
     turn: FloatArray
@@ -104,7 +105,7 @@ def judge_stated(evidence: AxesEvidence, needed: float = NEEDED) -> AxesVerdict:
     off, sigma = _off(free, np.eye(3), 1.0)
     sound = gain >= needed and bool(np.all(off <= _TOLERANCE + SIGMAS * sigma))
     sound = sound and not evidence.strained(same)
-    state: Literal["sound", "unexplained"] = "sound" if sound else "unexplained"
+    state: State = "sound" if sound else "unexplained"
     identity = np.eye(3)
     return AxesVerdict(state, "stated", identity, identity, 1.0, gain, sigma, same)
 
@@ -135,7 +136,7 @@ def judge_axes(
             if scaled is not None:
                 return scaled
         return _judge_turn(believed, evidence[believed], units)
-    state: Literal["named", "unexplained", "nothing"] = "named" if gain >= needed else "nothing"
+    state: State = "named" if gain >= needed else "nothing"
     if state == "named" and own.strained(fitted):
         state = "unexplained"
     return AxesVerdict(state, base, matrix, np.eye(3), multiple, gain, sigma, fitted, candidates)
@@ -201,7 +202,7 @@ def _judge_turn(base: Base, evidence: AxesEvidence, units: tuple[float, ...]) ->
     fitted = evidence.along(multiple * u @ vt)
     fits &= not evidence.strained(fitted)
     gain = free.score - evidence.nothing().score
-    state: Literal["named", "unexplained"] = "named" if fits else "unexplained"
+    state: State = "named" if fits else "unexplained"
     turn, sigma = sign * (u @ vt), sigma / multiple
     return AxesVerdict(state, base, sign * np.eye(3), turn, multiple, gain, sigma, fitted)
 

@@ -24,8 +24,10 @@ from motorcade.fusion.metrics.consistency import (
 )
 from motorcade.fusion.metrics.evaluation import (
     Evaluation,
+    Matched,
     evaluate,
     evaluate_matched,
+    match,
     seconds_per_pose,
 )
 from motorcade.fusion.metrics.jitter import (
@@ -36,7 +38,6 @@ from motorcade.fusion.metrics.jitter import (
     log_dimensionless_jerk,
 )
 from motorcade.fusion.metrics.lag import angular_rate_lag_s, position_lag_s
-from motorcade.fusion.metrics.matching import Matched, match
 from motorcade.fusion.metrics.poses.alignment import (
     Align,
     Plane,

@@ -94,13 +94,13 @@ def frame_change_defect(
         euler 0.03 rad
     """
     smoothed = smoother(trajectory)
-    left_m, left_rad = _apart(
-        smoothed.transformed_by(left), smoother(trajectory.transformed_by(left))
-    )
-    right_m, right_rad = _apart(
-        smoothed.transformed_by(right=right), smoother(trajectory.transformed_by(right=right))
-    )
-    return FrameChangeDefect(left_m, left_rad, right_m, right_rad)
+
+    def defect(change: Callable[[Trajectory], Trajectory]) -> tuple[float, float]:
+        return _apart(change(smoothed), smoother(change(trajectory)))
+
+    of_world = defect(lambda path: path.transformed_by(left))
+    of_sensor = defect(lambda path: path.transformed_by(right=right))
+    return FrameChangeDefect(*of_world, *of_sensor)
 
 
 def _apart(first: Trajectory, second: Trajectory) -> tuple[float, float]:
@@ -167,7 +167,7 @@ def gimbal_index(estimate: Trajectory, truth: Trajectory) -> GimbalIndex:
     path, true_path = beside(estimate, truth, 2, "gimbal index")
     ours, true = path.motors.rotor, true_path.motors.rotor
     steps_s = 1e-9 * np.diff(path.time_ns)
-    turned, true_turned = _steps_rad(ours), _steps_rad(true)
+    turned, true_turned = steps_rad(ours), steps_rad(true)
     length = float(np.sum(true_turned))
     if length <= _STILL_RAD:
         raise NotObservableError(
@@ -190,7 +190,7 @@ def rotation_path_rad(rotors: Rotor) -> float:
         >>> round(rotation_path_rad(rotors), 6)
         1.2
     """
-    return float(np.sum(_steps_rad(rotors)))
+    return float(np.sum(steps_rad(rotors)))
 
 
 def path_over_geodesic(rotors: Rotor) -> float:
@@ -212,8 +212,9 @@ def path_over_geodesic(rotors: Rotor) -> float:
     return rotation_path_rad(rotors) / geodesic
 
 
-def _steps_rad(rotors: Rotor) -> FloatArray:
-    return (rotors[:-1].inverse() @ rotors[1:]).angle()
+def steps_rad(rotors: Rotor) -> FloatArray:
+    """Angles ``(*, N-1)`` between neighbours of orientations ``(*, N)``."""
+    return (rotors[..., :-1].inverse() @ rotors[..., 1:]).angle()
 
 
 def winding_count(error: Rotor) -> int:
@@ -253,7 +254,7 @@ def position_overshoot_m(estimate: Trajectory, truth: Trajectory) -> float:
         0.13 m
         0.00 m
     """
-    return _overshoot(estimate, truth, lambda at, poses: poses.translation_m - at.translation_m)
+    return _overshoot(estimate, truth, position_way)
 
 
 def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
@@ -273,30 +274,43 @@ def rotation_overshoot_rad(estimate: Trajectory, truth: Trajectory) -> float:
         >>> print(f"{rotation_overshoot_rad(late, true):.2f} rad")
         0.13 rad
     """
-    return _overshoot(
-        estimate,
-        truth,
-        lambda at, poses: (at.rotor.inverse() @ poses.rotor).as_rotation_vector(),
-    )
+    return _overshoot(estimate, truth, rotation_way)
+
+
+def position_way(at: Motor, poses: Motor) -> FloatArray:
+    """A `Way` in metres, in the world."""
+    return poses.translation_m - at.translation_m
+
+
+def rotation_way(at: Motor, poses: Motor) -> FloatArray:
+    """A `Way` in radians, in the first pose's axes."""
+    return (at.rotor.inverse() @ poses.rotor).as_rotation_vector()
 
 
 def _overshoot(estimate: Trajectory, truth: Trajectory, way: Way) -> float:
     path, true_path = beside(estimate, truth, 5, "overshoot")
-    ours, true = path.motors, true_path.motors
-    speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / (1e-9 * np.diff(path.time_ns))
-    overshoots = []
-    for before, stop, after in stops(speed):
-        at, segment = true[stop], slice(before, after + 1)
-        course = -way(at, true[before])
-        length = float(np.linalg.norm(course))
-        if length > 0.0:
-            true_way, our_way = (way(at, poses[segment]) @ course for poses in (true, ours))
-            overshoots.append(float(np.max(our_way) - np.max(true_way)) / length)
-    if not overshoots:
+    seconds = 1e-9 * (path.time_ns - path.time_ns[0])
+    overshoot = float(overshoots(path.motors, true_path.motors, seconds, way))
+    if np.isnan(overshoot):
         raise NotObservableError(
             "overshoot: expected a ground truth that stops or turns back on its way, got none"
         )
-    return max(0.0, *overshoots)
+    return overshoot
+
+
+def overshoots(ours: Motor, true: Motor, time_s: FloatArray, way: Way) -> FloatArray:
+    """Largest overshoot ``(*)`` of poses ``(*, N)`` beside true ones ``(N,)``; NaN without any."""
+    speed = np.linalg.norm(way(true[:-1], true[1:]), axis=-1) / np.diff(time_s)
+    largest = np.full(ours.shape[:-1], np.nan)
+    for before, stop, after in stops(speed):
+        at, segment = true[stop : stop + 1], slice(before, after + 1)
+        course = -way(at, true[before : before + 1])[0]
+        length = float(np.linalg.norm(course))
+        if length > 0.0:
+            farthest = np.max(way(at, true[segment]) @ course)
+            over = np.max(way(at, ours[..., segment]) @ course, axis=-1) - farthest
+            largest = np.fmax(largest, np.maximum(over / length, 0.0))
+    return largest
 
 
 def stops(speed: FloatArray) -> list[tuple[int, int, int]]:

@@ -26,7 +26,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.metrics import accelerations, log_scales
-from motorcade.fusion.metrics.artifacts import stops, winding_count
+from motorcade.fusion.metrics.artifacts import (
+    overshoots,
+    position_way,
+    rotation_way,
+    steps_rad,
+    winding_count,
+)
 from motorcade.fusion.metrics.jitter import rates
 from motorcade.fusion.metrics.lag import fit_scores, standard_error_s
 from motorcade.fusion.metrics.smooth_path import SmoothPath
@@ -322,32 +328,15 @@ class PathEvaluator:
 
     def _overshoot(self, poses: Motor) -> FloatArray:
         """Largest overshoot of position in metres and rotation in degrees ``(P, 2)``."""
-        overshoot = np.full((len(poses), 2), np.nan)
-        for column, rotation in enumerate((False, True)):
-            for before, stop, after in self._stops[column]:
-                at, segment = self.true[stop : stop + 1], slice(before, after + 1)
-                course = -_way(at, self.true[before : before + 1], rotation)[0]
-                length = float(np.linalg.norm(course))
-                if length > 0.0:
-                    true = np.max(_way(at, self.true[segment], rotation) @ course)
-                    ours = np.max(_way(at, poses[:, segment], rotation) @ course, axis=-1)
-                    over = np.maximum((ours - true) / length, 0.0)
-                    overshoot[:, column] = np.fmax(overshoot[:, column], over)
-        overshoot[:, 1] = np.rad2deg(overshoot[:, 1])
-        return overshoot
-
-    @functools.cached_property
-    def _stops(self) -> tuple[list[tuple[int, int, int]], list[tuple[int, int, int]]]:
-        rows = []
-        for rotation in (False, True):
-            ways = _way(self.true[:-1], self.true[1:], rotation)
-            rows.append(stops(np.linalg.norm(ways, axis=-1) / np.diff(self.time_s)))
-        return rows[0], rows[1]
+        metres, radians = (
+            overshoots(poses, self.true, self.time_s, way) for way in (position_way, rotation_way)
+        )
+        return np.stack([metres, np.rad2deg(radians)], axis=-1)
 
     def _turning(self, poses: Motor) -> FloatArray:
         """The gimbal index ``(P, 3)``."""
         steps_s = np.diff(self.time_s)
-        turned, true = _steps_rad(poses), _steps_rad(self.true)
+        turned, true = steps_rad(poses.rotor), steps_rad(self.true.rotor)
         if not np.sum(true) > 1e-9:
             return np.full((len(poses), 3), np.nan)
         error = self.true.rotor.inverse() @ poses.rotor
@@ -365,17 +354,6 @@ def _stacked(paths: Sequence[Trajectory]) -> tuple[Motor, FloatArray | None]:
     parts = [path.poses.as_motor_scale() for path in paths if isinstance(path.poses, Similarity)]
     scales = np.stack([scale for _, scale in parts])
     return Motor.stack([motor for motor, _ in parts]), np.log(scales)
-
-
-def _steps_rad(poses: Motor) -> FloatArray:
-    return (poses[..., :-1].rotor.inverse() @ poses[..., 1:].rotor).angle()
-
-
-def _way(at: Motor, poses: Motor, rotation: bool) -> FloatArray:
-    """Way from one pose to others, as seen from it."""
-    if rotation:
-        return (at.rotor.inverse() @ poses.rotor).as_rotation_vector()
-    return poses.translation_m - at.translation_m
 
 
 _STEP_S = 0.01

@@ -188,8 +188,7 @@ def _knobs(top: Section) -> Iterator[tuple[str, tuple[str, ...]]]:
         for knob, value in settings.items():
             name = f"{stage}.{knob}"
             values = value if isinstance(value, list) else [value]
-            texts = tuple(_text(top, name, one) for one in values)
-            texts = tuple(_from_file(top, name, text) for text in texts)
+            texts = tuple(_from_file(top, name, _text(top, name, one)) for one in values)
             if not texts or len(set(texts)) < len(texts):
                 raise top.fault(
                     f"knobs.{name}", f"expected different values, got {one_line(value)}"
@@ -220,12 +219,8 @@ def _recordings(top: Section) -> tuple[tuple[Path, Path | None], ...]:
         if not isinstance(entry, str | Mapping):
             expected = "expected paths, or tables of path and manifest"
             raise top.fault("recordings", f"{expected}, got {one_line(entry)}")
-        section = Section(
-            top.path,
-            "recordings",
-            {"path": entry} if isinstance(entry, str) else entry,
-            ("path", "manifest"),
-        )
+        named = {"path": entry} if isinstance(entry, str) else entry
+        section = Section(top.path, "recordings", named, ("path", "manifest"))
         manifest = top.path.parent / section.text("manifest") if "manifest" in section else None
         try:
             places = _places(top.path.parent, section.text("path"))
@@ -382,6 +377,7 @@ def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
     failures = [row for row in rows if row["status"] == "failed"]
     doubtful = list({row["run"]: row for row in rows if row["status"] == "doubtful"}.values())
     knobs = [name for name, values in plan.knobs if len(values) > 1]
+    axes = [*knobs, "recording"] if len(plan.recordings) > 1 else knobs
     judged = [row for row in rows if row["path"] is not None]
     figures = [key for key in FIGURES if any(row[key] is not None for row in judged)]
     shown = rows[:_MOST_SHOWN]
@@ -401,7 +397,7 @@ def report_page(plan: Sweep, rows: Sequence[Row], left: int = 0) -> str:
             failures=failures[:_MOST_SHOWN],
             doubtful=doubtful[:_MOST_SHOWN],
             medians=_medians(judged, knobs, figures),
-            groups=_groups(judged, _axes(plan, knobs), figures),
+            groups=_groups(judged, axes, figures),
             every=_every(shown, knobs, figures),
             table_caption=_caption(len(shown), len(rows)),
         )
@@ -421,13 +417,6 @@ def _caption(shown: int, count: int) -> str:
     if shown < count:
         return f"The first {shown} of {count} rows; all are in sweep.csv and sweep.parquet."
     return f"{count} rows, as in sweep.csv; a row a run and path. A click on a heading sorts."
-
-
-def _axes(plan: Sweep, knobs: Sequence[str]) -> list[str]:
-    axes = list(knobs)
-    if len(plan.recordings) > 1:
-        axes.append("recording")
-    return axes
 
 
 def _heading(key: str) -> str:

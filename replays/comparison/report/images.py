@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.fusion.metrics.artifacts import steps_rad
 from motorcade.fusion.motions import MOTIONS
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray
@@ -62,9 +63,7 @@ class Replayed:
         """Angular rates from stamp to stamp ``(N-1,)``, the ground truth's first."""
         paths = {"truth": self.true, **self.paths}
         return {
-            name: np.rad2deg(
-                (path[:-1].rotor.inverse() @ path[1:].rotor).angle() / np.diff(self.time_s)
-            )
+            name: np.rad2deg(steps_rad(path.rotor) / np.diff(self.time_s))
             for name, path in paths.items()
         }
 

@@ -229,6 +229,7 @@ _STEPS = {
     "spurious_turns": (0.01, 0.1, 0.5, 1.0, 3.0),
 }
 _BLUE_TO_ORANGE = ("b5", "b4", "b3", "b2", "b1", "n", "o1", "o2", "o3", "o4", "o5")
+_DASH = PageCell("–", math.nan, "none")
 _ORANGE = ("n", "o1", "o2", "o3", "o4", "o5")
 
 
@@ -271,21 +272,21 @@ def best_of_each(results: Results) -> Matrix:
     for motion in results.motions:
         best = [results.best_ratio(f"motion:{motion}", one) for one in results.representations]
         base = results.best_ratio(f"motion:{motion}", REFERENCE)
-        cells = []
-        for cell in best:
-            if cell is None or base is None:
-                cells.append(PageCell("–", math.nan, "none"))
-                continue
-            ratio, method = cell
-            tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value / base[0].value)]
-            cells.append(PageCell(shown(ratio.value), ratio.value, tint, note=method))
-        rows.append((motion, cells))
+        rows.append((motion, [_best_cell(one, base) for one in best]))
     caption = (
         "Residual error and jitter, as a share of the raw poses', by the method that serves each "
         "representation best on that motion, over all degradations. Tinted against motors; no tint "
         "is within 1 %."
     )
     return Matrix("best-of-each", "", "", caption, "motion", results.representations, rows)
+
+
+def _best_cell(best: tuple[Ratio, str] | None, base: tuple[Ratio, str] | None) -> PageCell:
+    if best is None or base is None:
+        return _DASH
+    value, method = best[0].value, best[1]
+    tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, value / base[0].value)]
+    return PageCell(shown(value), value, tint, note=method)
 
 
 def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
@@ -296,7 +297,7 @@ def rotation_errors(results: Results, motion: str, degradation: str) -> Matrix:
     def cell(method: str, representation: str) -> PageCell:
         figure = results.figures.get((*place, method, representation, "rotation_rmse_deg"))
         if figure is None or not math.isfinite(figure.mean):
-            return PageCell("–", math.nan, "none")
+            return _DASH
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, figure.mean / raw)]
         note = _note(Ratio(figure.mean, figure.low, figure.high))
         return PageCell(shown(figure.mean), figure.mean, tint, note=note)
@@ -316,7 +317,7 @@ def _to_raw(results: Results, scope: str, metric: str) -> Matrix:
     def cell(method: str, representation: str) -> PageCell:
         ratio = ratios.get((method, representation))
         if ratio is None:
-            return PageCell("–", math.nan, "none")
+            return _DASH
         tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_RAW, ratio.value)]
         return PageCell(shown(ratio.value), ratio.value, tint, ratio.value == least, _note(ratio))
 
@@ -347,7 +348,7 @@ def _to_motor(results: Results, scope: str, metric: str) -> Matrix:
 
 def _motor_cell(ratio: Ratio | None) -> PageCell:
     if ratio is None or not math.isfinite(ratio.value):
-        return PageCell("–", math.nan, "none")
+        return _DASH
     tint = _BLUE_TO_ORANGE[bisect_left(_STEPS_TO_MOTOR, ratio.value)]
     return PageCell(
         shown(ratio.value), ratio.value, "n" if tied(ratio) else tint, note=_note(ratio)
@@ -361,7 +362,7 @@ def _sizes(results: Results, scope: str, metric: str) -> Matrix:
     def cell(method: str, representation: str) -> PageCell:
         value = factor * results.mean_size(scope, (method, representation), metric)
         if not math.isfinite(value):
-            return PageCell("–", math.nan, "none")
+            return _DASH
         return PageCell(shown(value), value, _ORANGE[bisect_left(_STEPS[metric], value)])
 
     unit = f", {metric_text.unit}" if metric_text.unit else ""
@@ -409,7 +410,7 @@ def place_rows(
         cells = []
         for name, figure in zip(metrics, figures, strict=True):
             if figure is None or not math.isfinite(figure.mean):
-                cells.append(PageCell("–", math.nan, "none"))
+                cells.append(_DASH)
                 continue
             low, high = (shown_metric(name, end) for end in (figure.low, figure.high))
             note = f"{low} to {high}" if math.isfinite(figure.low) else ""
@@ -459,7 +460,7 @@ def trait_matrices(results: Results) -> list[Matrix]:
 
 def _trait_cell(row: Mapping[str, Any] | None, key: str) -> PageCell:
     if row is None:
-        return PageCell("–", math.nan, "none")
+        return _DASH
     if key == "time":
         value = row["time_us_per_pose"]
         return PageCell(shown(value), value, _TIME_TINTS[bisect_left(_TIMES_US, value)])

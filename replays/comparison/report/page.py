@@ -409,9 +409,8 @@ def _at_their_best(results: Results) -> Iterator[str]:
         parts = [text]
         if less:
             low = min(ratios, key=lambda motion: ratios[motion])
-            parts.append(
-                f"leaves less on {len(less)} (down to {shown(ratios[low])} times on {low})"
-            )
+            down = f"down to {shown(ratios[low])} times on {low}"
+            parts.append(f"leaves less on {len(less)} ({down})")
         more = len(ratios) - len(same) - len(less)
         if more:
             parts.append(f"leaves more on {more} (up to {shown(ratios[far])} times on {far})")
