@@ -29,7 +29,11 @@ _DIAGONALS = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
 _RIGHT, _UP = np.eye(2)
 _WINDOW_PX, _WINDOW_SHARE = (2, 11), 0.7
 _STOP = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_COUNT, 40, 1e-3)
-_LEAST_CONTRAST = 1.0 / 3.0
+_LEAST_CONTRAST, _COMPARABLE = 1.0 / 3.0, 0.5
+_UNLIKE, _TIMES_UNLIKE = 0.1, 2.5
+"""Of the contrast, and of what noise makes of the others: what a saddle half covered differs by
+from itself turned round. Open ones differ by less than 0.07, those half a pixel off by 0.14."""
+_HALF_WINDOW = np.stack(np.meshgrid(np.linspace(-0.8, 0.8, 8), np.linspace(0.1, 0.8, 4)), axis=-1)
 _BLURRED = 0.95
 """Of the contrast at the end of what is clear about a corner, what sharp squares have within it."""
 _ROUNDS, _SAMPLES = 4, 7
@@ -55,8 +59,8 @@ def refine_saddles(
 
     Returns:
         places ``(n, 2)``, and a mask ``(n,)`` of those that look like the print there: inside the
-        image, coloured as expected with at least a third of the median contrast, and not
-        drawn away from where they were expected by more than the window.
+        image, coloured as expected with at least a third of the usual contrast, the same turned by
+        180 degrees, and not drawn away from where they were expected by more than the window.
     """
     homography = plane_homography(points_m, corners_px)
     if homography is None:
@@ -82,8 +86,31 @@ def refine_saddles(
         inside &= saddle
         signal = seen(places, offset_m=0.6 * clear_m)
     near = np.linalg.norm(places - corners_px, axis=1) <= window
-    least = max(_LEAST_CONTRAST * float(np.median(signal)), 1.0)
-    return places, inside & near & (signal >= least)
+    usual = float(np.median(signal[signal >= _COMPARABLE * signal.max()]))
+    good = inside & near & (signal >= max(_LEAST_CONTRAST * usual, 1.0))
+    unlike = _asymmetry(image, points_m, places, homography, clear_m)
+    noise = float(np.median(unlike[good])) if good.any() else 0.0
+    return places, good & (unlike <= max(_UNLIKE * usual, _TIMES_UNLIKE * noise))
+
+
+def _asymmetry(
+    image: GrayImage,
+    points_m: FloatArray,
+    corners_px: FloatArray,
+    homography: FloatArray,
+    clear_m: float,
+) -> FloatArray:
+    """Grey levels ``(n,)``, root mean square, between what is about a corner and that turned round.
+
+    Black and white squares, blurred or not, look the same; what covers one of them does not, nor
+    does a print about a place beside its corner.
+    """
+    offsets = clear_m * _HALF_WINDOW.reshape(-1, 2)
+    about = points_m[:, None] + np.concatenate([offsets, -offsets])
+    shift = map_plane(homography, about) - map_plane(homography, points_m)[:, None]
+    levels = grey_levels(image, corners_px[:, None] + shift)
+    apart = levels[:, : len(offsets)] - levels[:, len(offsets) :]
+    return np.asarray(np.sqrt(0.5 * np.mean(apart**2, axis=1)), np.float64)
 
 
 def _blurred_saddles(

@@ -163,6 +163,26 @@ def test_sharpening_leaves_out_covered_corners(straight_camera, render, look_at)
         assert error[clear].max() < 0.15
 
 
+@pytest.mark.parametrize("board", [CHECKERS, BOARDS[4][0]])
+def test_of_what_is_half_hidden_no_corner_is_left_beside_its_place(
+    board: Board, straight_camera, render, look_at
+) -> None:
+    pose, rng = look_at(board, 0.5, 10.0), np.random.default_rng(5)
+    image = render(board, straight_camera, pose, noise=2.0, seed=1)
+    truth = true_corners(board, straight_camera, pose)
+    errors = []
+    for x in np.linspace(truth[:, 0].min(), truth[:, 0].mean(), 25):
+        covered = image.copy()
+        cv2.ellipse(covered, (int(x + 160), 240), (160, 250), 20, 0, 360, 150, -1)
+        seen = cv2.add(covered, np.rint(rng.normal(2.0, 1.0, image.shape)).astype(np.uint8))
+        tried = BoardCorners(np.arange(len(truth)), truth + 0.3, board.points_m)
+        sharp = board.refine_corners(seen, tried)
+        errors.append(sharp.corners_px - truth[sharp.ids])
+    apart = np.linalg.norm(np.concatenate(errors), axis=-1)
+    assert len(apart) > 100
+    assert apart.max() < 1.0
+
+
 def test_corners_on_one_spot_are_left_out_of_a_sharpening() -> None:
     image = np.full((100, 100), 90, np.uint8)
     spot = BoardCorners(np.arange(54), np.full((54, 2), 50.0), CHECKERS.points_m)
