@@ -32,6 +32,10 @@ _FITS = 3
 _LEAST_STEP = 8.0  # grey levels across a side
 _OUTLIER_PX = 0.3
 _WORST_SPREAD_PX = 0.6
+_ALIKE, _OPENLY, _ROUNDING_PX, _TORN = 2.5, 17, 0.03, 600.0
+"""Sides of one print scatter alike: 2.5 times as far as another side is once in ten thousand (F of
+18 and 18). Of their twenty points three may lie anywhere, which the fit makes up for; what rounding
+leaves, and how finely printers draw a side, tells nothing."""
 
 
 def refine_quads(
@@ -53,22 +57,26 @@ def refine_quads(
 
     Returns:
         the corners ``(m, 4, 2)``, and a mask ``(m,)`` of markers all of whose sides were found:
-        of the right colours, straight to 0.6 px.
+        of the right colours, straight to 0.6 px and, where the lens is known, as straight as the
+        others, which one that is half covered is not.
     """
     places = quads.copy()
     sides = quads[:, _NEXT] - quads
-    shortest = np.sqrt((sides * sides).sum(axis=-1).min(axis=1))
-    most = _CLEAR * clear_share * shortest
+    side_px = np.sqrt((sides * sides).sum(axis=-1))
+    most = _CLEAR * clear_share * side_px.min(axis=1)
+    least_px = np.maximum(_ROUNDING_PX, side_px.max(axis=1) / _TORN)
     reach = np.clip(most, *_REACH_PX)
-    good = _inside(image, quads, reach)
+    good, alike = _inside(image, quads, reach), np.ones(len(quads), bool)
     rows, sign = np.arange(len(quads)), -1.0 if white_inside else 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
         for _ in range(_ROUNDS):
             points, weights, seen, blurred = _side_points(image, places[rows], reach[rows], sign)
-            lines, spread = _fit_lines(_undistorted(points, camera), weights)
+            lines, spread, scatter = _fit_lines(_undistorted(points, camera), weights)
             crossed = _distorted(_crossings(lines), camera)
             shift_px = _farthest(crossed, quads[rows])
             good[rows] &= (seen & (spread < _WORST_SPREAD_PX)).all(axis=1)
+            _, second, _, most_px = np.sort(scatter, axis=1).T
+            alike[rows] = most_px <= _ALIKE * np.maximum(second, least_px[rows])
             good[rows] &= shift_px < np.maximum(3.0, 2.0 * reach[rows])
             blurred &= reach[rows] < most[rows]
             reach[rows] = np.where(blurred, np.minimum(2.0 * reach[rows], most[rows]), reach[rows])
@@ -77,7 +85,7 @@ def refine_quads(
             rows = rows[moving]
             if not len(rows):
                 break
-    return places, good
+    return places, good if camera is None else good & alike
 
 
 def _farthest(quads: FloatArray, others: FloatArray) -> FloatArray:
@@ -113,11 +121,14 @@ def _side_points(
     return points, np.sqrt(total), seen, blurred
 
 
-def _fit_lines(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _fit_lines(
+    points: FloatArray, weights: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Weighted total least squares, three times, outliers played down after each.
 
     Returns:
-        homogeneous unit lines ``(m, 4, 3)`` and the weighted RMS distance ``(m, 4)`` from them.
+        homogeneous unit lines ``(m, 4, 3)``, and RMS distances ``(m, 4)`` from them: weighted, and
+        of the points that lie nearest.
     """
     x, y = points[..., 0], points[..., 1]
     known = np.isfinite(x + y)
@@ -138,7 +149,9 @@ def _fit_lines(points: FloatArray, weights: FloatArray) -> tuple[FloatArray, Flo
         rms = np.sqrt((share * squared).sum(axis=-1))
         weights = weights / (1.0 + squared / _OUTLIER_PX**2)
     constant = -(normal_x * centre_x + normal_y * centre_y)
-    return np.concatenate([normal_x, normal_y, constant], axis=-1), rms
+    lines = np.concatenate([normal_x, normal_y, constant], axis=-1)
+    nearest = np.partition(squared, _OPENLY - 1, axis=-1)[..., :_OPENLY]
+    return lines, rms, np.sqrt(nearest.mean(axis=-1))
 
 
 def _crossings(lines: FloatArray) -> FloatArray:

@@ -21,7 +21,6 @@ from motorcade.replays.stages.camera.board_audit import pixels_finding
 from motorcade.replays.stages.camera.offered import camera_of, sampled_images, spread_frames
 from motorcade.replays.stages.values.camera_poses import MarkerPoses, SightedPoints
 from motorcade.tracking import (
-    Detection,
     PoseMeasurements,
     SingleMarker,
     TrackingError,
@@ -299,8 +298,8 @@ def markers_found(
 ) -> tuple[CornerStream, MarkerObservations | None, tuple[int, ...]]:
     """Detect the markers of every image; with refinement, both their poses as well.
 
-    Where a frame has sharp corners the others are left out; so is an id that stands there twice,
-    since no map can tell its copies apart. Ids that do so in several frames come last.
+    Those whose sides do not all show are left out; so is an id that stands there twice, since no
+    map can tell its copies apart. Ids that do so in several frames come last.
 
     Raises:
         NotOffered: no camera known.
@@ -314,8 +313,8 @@ def markers_found(
         seen = detect_markers(gray, family, camera)
         if markers.marker_map is not None:
             seen = refind_markers(gray, family, camera, markers.marker_map, seen)
-        usable = _usable(seen)
         read.append([detection.marker_id for detection in seen])
+        usable = [one for one in seen if one.sharp and read[-1].count(one.marker_id) == 1]
         ids.append(np.array([detection.marker_id for detection in usable], np.int64))
         corners.append(np.array([detection.corners_px for detection in usable]).reshape(-1, 4, 2))
         if refine == "photometric":
@@ -348,9 +347,3 @@ def _sighted(seen: CornerStream, known: MarkerMap) -> SightedPoints:
         known.points_m.reshape(-1, 4, 3)[rows].reshape(-1, 3),
         seen.corners_px[mapped].reshape(-1, 2),
     )
-
-
-def _usable(detections: tuple[Detection, ...]) -> list[Detection]:
-    ids = [detection.marker_id for detection in detections]
-    once = [detection for detection in detections if ids.count(detection.marker_id) == 1]
-    return [detection for detection in once if detection.sharp] or once

@@ -194,6 +194,22 @@ def test_at_the_rim_of_the_image_corners_are_not_sharp(render, look_at, straight
     assert board.detect(image) is None
 
 
+def test_what_creeps_over_a_side_leaves_no_sharp_corner_far_off(
+    render, look_at, straight_camera
+) -> None:
+    board = SingleMarker("tag36h11", 4, 0.05)
+    image = render(board, straight_camera, look_at(board, 0.9))
+    truth = straight_camera.project(look_at(board, 0.9).inverse().apply(board.points_m))
+    x, y = truth[1:3].mean(axis=0)
+    sharp = []
+    for reach in np.arange(-4.0, 8.0, 0.5):
+        covered = cv2.circle(image.copy(), (round(x + 40 - reach), round(y + 12)), 40, 90, -1)
+        found = detect_markers(covered, "tag36h11", straight_camera)
+        sharp += [one.corners_px for one in found if one.sharp]
+    assert len(sharp) > 5
+    assert np.linalg.norm(sharp - truth, axis=-1).max() < 0.3
+
+
 @pytest.mark.parametrize("shift", [0.0, 0.5])
 def test_prints_without_noise_are_found(shift: float) -> None:
     """There errors on both sides of a corner are equal to the last bit."""
