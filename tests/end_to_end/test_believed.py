@@ -15,6 +15,9 @@ from tests.end_to_end.believed import judged
         ("marker.noisy.2000", ""),  # surer of itself than four corners allow
         ("checkerboard.shuffled.7", ""),
         ("grid.blurred.4410000", ""),  # blur draws corners aside, by more than noise lets them
+        ("loose.hidden.9204003", ""),  # half a tag, alone in its frame
+        ("charuco.hidden.31101000", ""),  # a corner half hidden, and one that is not there
+        ("loose.moved.31103000", ""),  # one slides in a single frame, then is hidden
         ("loose.doubled.71001", ""),  # tags of nine pixels: their map's scale is no surer
     ],
 )

@@ -104,12 +104,11 @@ def marker_poses(
         scale_sigma = scale if known is None else 0.0
     floor_px = max(noise_px, SIGMA_FLOOR_PX)
 
-    def map_or_track(streams: Mapping[str, CornerStream]) -> MappedRecording:
+    def map_or_track(streams: Mapping[str, CornerStream], **limit: float) -> MappedRecording:
+        limit["floor_px"] = floor_px
         if known is not None:
-            return track_rig(known, streams, seen.rig_T_camera, floor_px=floor_px)
-        return map_markers(
-            streams, seen.side_m, seen.rig_T_camera, posed=seen.posed, floor_px=floor_px
-        )
+            return track_rig(known, streams, seen.rig_T_camera, **limit)
+        return map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed, **limit)
 
     mapped = map_or_track(streams)
     audit: tuple[AuditFinding, ...] = (_doubled(twice),) if twice else ()
@@ -121,11 +120,13 @@ def marker_poses(
             streams = without(streams, restless)
             mapped = map_or_track(streams)
             audit += (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
+    if mapped.error_px.max() > limit_px:
+        mapped = map_or_track(streams, most_px=limit_px)
     if recording.readout_s and len(streams) == 1 and seen.posed is None:
         path = _of_camera(mapped, _ONLY).trajectory
         shutter_s = recording.shutter_s
         streams = {_ONLY: unrolled_stream(streams[_ONLY], path, mapped.marker_map, shutter_s)}
-        mapped = map_or_track(streams)
+        mapped = map_or_track(streams, most_px=limit_px)
     if recording.markers is not None and shown:
         drawn = _drawn(shown, streams[_ONLY], mapped, recording.markers.family)
         audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -75,3 +77,15 @@ def test_of_two_halves_that_part_neither_is_said_to_move() -> None:
     assert (
         moving_markers({"camera": stream}, mapped, lambda part: map_markers(part, sides), 1.0) == ()
     )
+
+
+def test_one_that_is_pushed_within_a_single_frame_moves_no_pose() -> None:
+    stream, sides = seen(3, {}, 6), dict.fromkeys(range(6), SIDE_M)
+    rows = (stream.frame == 12) & (stream.marker_ids == 2)
+    pushed = replace(stream, corners_px=stream.corners_px + 4.0 * rows[:, None, None])
+    by_others, by_all = (
+        map_markers({"camera": one}, sides, most_px=1.0) for one in (stream.where(~rows), pushed)
+    )
+    moved = by_others.trajectory.motors.local(by_all.trajectory.motors)
+    precision = np.linalg.inv(by_others.covariance)
+    assert np.sqrt(np.einsum("ni,nij,nj->n", moved, precision, moved).max()) < 0.3

@@ -2,7 +2,8 @@
 
 All observations are linearised at once, through the full lens model and with exact derivatives; the
 frames are eliminated, so a step costs time with the cube of the markers. Huber's loss on the eight
-residuals of an observation keeps wrong ones from pulling. Source: Triggs et al. 2000.
+residuals of an observation keeps wrong ones from pulling; where it is known by how much a corner is
+off at most, Cauchy's does beyond that, once all stands about right. Source: Triggs et al. 2000.
 
 Poses are perturbed by ``pose.retract(twist)``: rotation (rad), then translation (m).
 """
@@ -22,7 +23,7 @@ from motorcade.tracking.markers.mapping.rig import RigObservations
 from motorcade.tracking.optimise import (
     BlockEquations,
     Stop,
-    huber,
+    huber_cauchy,
     minimise,
     pair_sums,
     sum_by,
@@ -76,7 +77,7 @@ _STOP = Stop(steps=60, gain=1e-6, most_damping=1e8, what="adjusting the markers"
 _ROUNDS = 2
 _MOST_LASTING = 0.95
 # What an observation with a corner behind the camera counts.
-_NO_IMAGE_PX = 1000.0
+NO_IMAGE_PX = 1000.0
 # A frame whose corners leave a direction free is known there to a radian or ten metres.
 _VAGUE = np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
 
@@ -91,6 +92,7 @@ class AdjustedRig:
         world_T_marker: Motor ``(M,)``.
         error_px: ``(N,)`` root mean square reprojection error of each observation.
         sigma_px: noise a coordinate that the observations were weighed with.
+        most_px: root mean square error from which on an observation was an outlier.
     """
 
     seen: RigObservations
@@ -98,6 +100,7 @@ class AdjustedRig:
     world_T_marker: Motor
     error_px: FloatArray
     sigma_px: float
+    most_px: float = NO_IMAGE_PX
 
 
 def adjust(
@@ -106,6 +109,7 @@ def adjust(
     world_T_marker: Motor,
     held: NDArray[np.bool_],
     floor_px: float = SIGMA_FLOOR_PX,
+    most_px: float = NO_IMAGE_PX,
 ) -> AdjustedRig:
     """Refine all poses of frames and markers that the observations name; others stay as they are.
 
@@ -115,13 +119,14 @@ def adjust(
         world_T_marker: Motor ``(M,)`` to start from.
         held: ``(M,)`` markers that stay where they are; at least one, which fixes the world.
         floor_px: noise a coordinate that there is at least.
+        most_px: by how much the corners of an observation are off at most, root mean square.
     """
     state = AdjustedRig(seen, world_T_rig, world_T_marker, np.zeros(0), 1.0)
     for _ in range(_ROUNDS):
         minimum = minimise(state, partial(_Reprojection, held), partial(_retract, held), _STOP)
         state, squares = minimum.state, minimum.evaluation.squares
         sigma_px = max(_noise_px(seen, held, squares), floor_px)
-        state = replace(state, error_px=np.sqrt(squares / 4.0), sigma_px=sigma_px)
+        state = replace(state, error_px=np.sqrt(squares / 4.0), sigma_px=sigma_px, most_px=most_px)
     return state
 
 
@@ -188,8 +193,10 @@ class _Reprojection:
         poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
         residuals = residuals_px(seen, *poses)
         squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
-        self.squares = np.where(np.isfinite(squares), squares, _NO_IMAGE_PX**2)
-        loss, self._weight = huber(np.sqrt(self.squares), _HUBER * state.sigma_px)
+        self.squares = np.where(np.isfinite(squares), squares, NO_IMAGE_PX**2)
+        limit_px = _HUBER * state.sigma_px
+        most_px = max(2.0 * state.most_px, limit_px)
+        loss, self._weight = huber_cauchy(np.sqrt(self.squares), limit_px, most_px)
         self.cost = float(np.sum(loss))
 
     @cached_property

@@ -28,6 +28,7 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.mapping.adjust import (
+    NO_IMAGE_PX,
     AdjustedRig,
     adjust,
     pose_covariance,
@@ -170,6 +171,7 @@ def map_markers(
     over_time: bool = True,
     posed: Mapping[str, MarkerObservations] | None = None,
     floor_px: float = SIGMA_FLOOR_PX,
+    most_px: float = NO_IMAGE_PX,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
 
@@ -186,6 +188,8 @@ def map_markers(
         posed: by camera, both planar poses of its detections where they were refined beyond what
             corners tell (see `photometric`).
         floor_px: noise of a corner a coordinate that there is at least.
+        most_px: how far a marker's corners can lie off, root mean square; what lies farther hardly
+            counts.
 
     Raises:
         ValueError: no streams, no camera with a known place, a marker without a size.
@@ -220,7 +224,7 @@ def map_markers(
     world_T_marker, reached = hang_markers(seen)
     world_T_rig, placed = place_frames(seen, world_T_marker, reached)
     held = np.arange(len(reached)) == np.argmax(np.bincount(seen.marker))
-    result = adjust(_part(seen, reached), world_T_rig, world_T_marker, held, floor_px)
+    result = adjust(_part(seen, reached), world_T_rig, world_T_marker, held, floor_px, most_px)
     poses = result.world_T_marker[reached]
     marker_map = MarkerMap(
         seen.marker_ids[reached], seen.side_m[reached], poses.rotor, poses.translation_m
@@ -235,6 +239,7 @@ def track_rig(
     *,
     sync_s: float = _SYNC_S,
     floor_px: float = SIGMA_FLOOR_PX,
+    most_px: float = NO_IMAGE_PX,
 ) -> MappedRecording:
     """Where a rig was, by a map that stands; markers that are not in it are passed over.
 
@@ -244,6 +249,7 @@ def track_rig(
         rig_T_camera: see `map_markers`.
         sync_s: see `map_markers`.
         floor_px: see `map_markers`.
+        most_px: see `map_markers`.
 
     Raises:
         ValueError: no streams, no camera with a known place.
@@ -260,7 +266,7 @@ def track_rig(
     world_T_marker = marker_map.world_T_marker[rows]
     everywhere = np.ones(len(rows), dtype=bool)
     world_T_rig, placed = place_frames(seen, world_T_marker, everywhere)
-    result = adjust(seen, world_T_rig, world_T_marker, everywhere, floor_px)
+    result = adjust(seen, world_T_rig, world_T_marker, everywhere, floor_px, most_px)
     return _mapped(marker_map, result, everywhere, placed, list(streams), np.zeros(0, np.int64))
 
 
