@@ -199,7 +199,7 @@ def kalibr_noise(noise: ImuNoise) -> dict[str, float]:
     }
 
 
-_HEADER = (
+EUROC_HEADER = (
     "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],"
     "a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n"
 )
@@ -235,7 +235,7 @@ def write_imu(stream: ImuStream | Iterable[ImuStream], path: Path) -> None:
             save_arrays_in_parts(building, "ImuStream", _FORMAT, columns)
         else:
             with building.open("w", encoding="ascii", newline="\n") as file:
-                file.write(_HEADER)
+                file.write(EUROC_HEADER)
                 for part in parts:
                     file.writelines(_rows(part))
 

@@ -11,6 +11,8 @@ from collections import deque
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -25,6 +27,8 @@ from motorcade.fusion import (
 )
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
+from motorcade.replays.io.files import write_bytes
+from motorcade.replays.io.imu import EUROC_HEADER, kalibr_noise
 
 SURE_OFFSET_S, SURE_ROTATION_RAD, SURE_LEVER_M = 0.003, np.radians(0.5), 0.02
 """Deviations below which offset and extrinsics are used."""
@@ -208,6 +212,42 @@ class InertialPoses:
             running.camera_pose(time_ns, self._level @ world_T_camera, covariance)
         except ValueError as fault:  # from before the filter's history
             self._reason = str(fault)
+
+
+class ImuFile:
+    """Readings as they come, in `imu.csv` of a recording's folder; none without readings."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._file: TextIO | None = None
+        self._last_ns = -1
+
+    def add(self, samples: Iterable[ImuSample]) -> None:
+        """Write readings; those that are not later than the last are dropped."""
+        for sample in samples:
+            if self._file is None:
+                self._file = (self._folder / "imu.csv").open("w", encoding="ascii")
+                self._file.write(EUROC_HEADER)
+            if sample.time_ns > self._last_ns:
+                self._last_ns = sample.time_ns
+                row = [sample.time_ns, *sample.rate_rad_s.tolist(), *sample.force_m_s2.tolist()]
+                self._file.write(",".join(map(repr, row)) + "\n")
+
+    def close(self, synchronised: Synchronised | None) -> str:
+        """End the file, and give the manifest's table of the IMU; "" where nothing tells it."""
+        if self._file is None:
+            return ""
+        self._file.close()
+        if synchronised is None:
+            return ""
+        noise = kalibr_noise(synchronised.imu_noise)
+        lines = "".join(f"{key}: {value!r}\n" for key, value in noise.items())
+        write_bytes(self._folder / "imu.yaml", lines.encode())
+        return (
+            '\n[imu]\nfile = "imu.csv"\nnoise_file = "imu.yaml"\n'
+            f"clock_offset_s = {synchronised.offset_s!r}\n"
+            f"imu_T_camera = {synchronised.imu_T_camera.as_matrix().tolist()}\n"
+        )
 
 
 def _apart(pose: Motor, other: Motor) -> float:

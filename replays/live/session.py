@@ -10,10 +10,13 @@ is an ordinary recording, which `motorcade run` replays:
     stamps.txt            their stamps, ns
     motorcade.toml        camera, board, and the scene where somebody was stood on it
     scene.json            the figure as it stood last
+    imu.csv               what its IMU read, on the IMU's clock, where it has one
     live.jsonl            a line a frame (state, world_T_camera, held-out distances) or gesture
 
-With a camera that was stated, a run's poses by the board are the live ones bit for bit: it tracks
-the same images in the same order. With one that was found on the way they are those of that camera.
+A run uses the IMU where it was sure at the end how that sits on the camera; else imu.csv waits for
+`motorcade sync`. With a camera that was stated, a run's poses by the board are the live ones bit
+for bit: it tracks the same images in the same order. With one that was found on the way they are
+those of that camera.
 """
 
 from __future__ import annotations
@@ -49,6 +52,7 @@ from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.files import write_bytes
 from motorcade.replays.io.readers.manifest.section import board_toml, camera_toml
 from motorcade.replays.live.frames import LiveFrame, kind_of, newest, open_frames, paced
+from motorcade.replays.live.inertial import ImuFile
 from motorcade.replays.live.tracker import FirstMarker, LivePose, LiveTracker, Target
 from motorcade.replays.pipeline.look import gltf_bytes, shown_camera
 from motorcade.replays.pipeline.packing import packed, rows_of, scaled_rows
@@ -250,6 +254,7 @@ class LiveRecorder:
         self.count = 0
         self._size: tuple[int, ...] | None = None
         self._stamps = (folder / "stamps.txt").open("w", encoding="ascii", buffering=1)
+        self._imu = ImuFile(folder)
         self._lines = (folder / "live.jsonl").open("w", encoding="utf-8", buffering=1)
         self._writer = ThreadPoolExecutor(1, "recorder")
         self._room = threading.Semaphore(_WAITING)
@@ -275,6 +280,7 @@ class LiveRecorder:
         number, self.count = self.count, self.count + 1
         self._room.acquire()
         self._writer.submit(self._write, number, frame)
+        self._imu.add(frame.imu)
         motor = pose.world_T_camera
         known = {key: getattr(pose, key) for key in ("time_ns", "state", "measured")}
         row = None if motor is None else rows_of(motor).tolist()
@@ -303,6 +309,7 @@ class LiveRecorder:
                 text += f"focal_sigma = {tracker.calibration.calibrated.sigma_focal!r}\n"
         if isinstance(tracker.target, Board):
             text += "\n" + board_toml(tracker.target)
+        text += self._imu.close(tracker.inertial.synchronised)
         write_bytes(self.folder / "motorcade.toml", text.encode())
 
     def _write(self, number: int, frame: LiveFrame) -> None:

@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from motorcade.animation.authoring import read_scene
-from motorcade.replays import open_recording
+from motorcade.replays import Recording, open_recording
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live.session import (
     LARGEST,
@@ -31,6 +32,17 @@ def pixel_of(point: tuple[float, float], index: int, seed: int) -> list[float]:
     return CAMERA.project(inside).tolist()
 
 
+def assert_replayed(recording: Recording, kept: Path) -> list[dict[str, Any]]:
+    """A run's poses are the live ones that were measured, bit for bit; what was kept."""
+    again = board_poses(recording).measurements.trajectory
+    lines = [json.loads(line) for line in kept.read_text().splitlines()]
+    measured = [line for line in lines if line.get("measured")]
+    assert again.time_ns.tolist() == [line["time_ns"] for line in measured]
+    same = np.concatenate([again.motors.translation_m, again.motors.rotor.as_quaternion()], axis=-1)
+    assert np.array_equal(same, np.array([line["world_T_camera"] for line in measured]))
+    return lines
+
+
 def test_a_run_of_a_recorded_session_gives_its_poses_bit_for_bit(tmp_path: Path) -> None:
     folder, seed = tmp_path / "session", 21
     session = a_session(folder)
@@ -42,12 +54,7 @@ def test_a_run_of_a_recorded_session_gives_its_poses_bit_for_bit(tmp_path: Path)
     recording = open_recording(folder)
     assert recording.board == BOARD
     assert recording.settings == ("placed.scene=" + str(folder / "scene.json"),)
-    again = board_poses(recording).measurements.trajectory
-    lines = [json.loads(line) for line in (folder / "live.jsonl").read_text().splitlines()]
-    live = np.array([line["world_T_camera"] for line in lines if "world_T_camera" in line])
-    assert again.time_ns.tolist() == [line["time_ns"] for line in lines if "state" in line]
-    same = np.concatenate([again.motors.translation_m, again.motors.rotor.as_quaternion()], axis=-1)
-    assert np.array_equal(same, live)
+    lines = assert_replayed(recording, folder / "live.jsonl")
     assert [line["gesture"]["do"] for line in lines if "gesture" in line] == ["stand"]
     stood = read_scene(folder / "scene.json").pose("figure").as_similarity().translation_m
     assert np.linalg.norm(stood[:2] - [0.06, -0.05]) < 0.002
