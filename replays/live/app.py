@@ -3,9 +3,11 @@
 A camera's frames are answered one by one; of those that come while one is tracked the newest is
 kept. Images of a source, or of somebody else's camera, go to a viewer when it has drawn the last.
 
-A frame in: "MLY1", its number (uint32), its stamp (float64, ms), width and height (uint16), how
-long the frame before took from capture to drawn (float32, ms; NaN for none), then height × width
-bytes of luma, rows from the top. Numbers are little-endian.
+A frame in: "MLY2", its number (uint32), its stamp (float64, ms), width and height (uint16), how
+long the frame before took from capture to drawn (float32, ms; NaN for none), how many readings come
+with it (uint32); height × width bytes of luma, rows from the top; the readings of motion sensors
+since the frame before, 7 float32 each: stamp after the frame's (ms), angular rate (°/s), specific
+force (m/s²). Numbers are little-endian.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from motorcade.ga.arrays import FloatArray
 from motorcade.replays.live.frames import LiveFrame, newest
+from motorcade.replays.live.inertial import ImuSample
 from motorcade.replays.live.session import LivePlan, LiveSession
 from motorcade.replays.studio.access import HEADERS, MAX_EDITORS, Access, Doorkeeper, MessageRate
 from motorcade.replays.studio.app import KEPT, Shell, html
@@ -47,54 +51,72 @@ from motorcade.tracking.checks import GrayImage
 if TYPE_CHECKING:
     from starlette.types import ASGIApp
 
-HEADER = struct.Struct("<4sIdHHf")
-MAGIC = b"MLY1"
+HEADER = struct.Struct("<4sIdHHfI")
+MAGIC = b"MLY2"
 SMALLEST_SIDE, MAX_SIDE, MAX_FRAME_PIXELS = 64, 2048, 1 << 21
-MAX_FRAME_BYTES = MAX_FRAME_PIXELS + HEADER.size
+READING_BYTES, MAX_READINGS = 28, 256
+MAX_FRAME_BYTES = MAX_FRAME_PIXELS + HEADER.size + MAX_READINGS * READING_BYTES
+MAX_READING = np.array([5000.0, *3 * [4000.0], *3 * [320.0]])
+"""ms from the frame; °/s and m/s² beyond what sensors of phones measure."""
+READINGS_A_SECOND, READINGS_AT_ONCE = 500.0, 1500.0
 MAX_DRIFT_S = 60.0
 """By how much a browser's clock and ours may part while it is connected."""
+SAME_CLOCK_S = 1.0
+"""By how much they may part where a browser that comes back is taken for the one that went."""
 _LATEST_MS = 1e13
 
 
 @dataclass(frozen=True, eq=False)
 class CameraFrame:
-    """A frame as a browser sent it, by its own clock; `latency_ms` is that of the one before."""
+    """A frame as a browser sent it, by its own clock; `latency_ms` is that of the one before.
+
+    `readings` are ``(n, 7)``: stamp (ms), angular rate (°/s), specific force (m/s²).
+    """
 
     number: int
     stamp_ms: float
     gray: GrayImage
     latency_ms: float | None
+    readings: FloatArray
 
 
 def read_frame(data: bytes) -> CameraFrame:
     """A frame of the bytes of a message.
 
     Raises:
-        ValueError: another header, sizes out of bounds or not those of the bytes, a stamp that is
-            none.
+        ValueError: another header, sizes out of bounds or not those of the bytes, a stamp or
+            readings that are none.
 
     >>> from motorcade.replays.live.app import HEADER, read_frame
-    >>> head = HEADER.pack(b"MLY1", 7, 1000.0, 80, 64, float("nan"))
-    >>> frame = read_frame(head + bytes(80 * 64))
-    >>> frame.number, frame.gray.shape, frame.latency_ms
-    (7, (64, 80), None)
+    >>> head = HEADER.pack(b"MLY2", 7, 1000.0, 80, 64, float("nan"), 1)
+    >>> frame = read_frame(head + bytes(80 * 64 + 28))
+    >>> frame.number, frame.gray.shape, frame.latency_ms, frame.readings[:, 0]
+    (7, (64, 80), None, array([1000.]))
     """
     if len(data) < HEADER.size or data[:4] != MAGIC:
-        raise ValueError("frame: expected a header of MLY1")
-    _, number, stamp_ms, width, height, latency_ms = HEADER.unpack_from(data)
+        raise ValueError("frame: expected a header of MLY2")
+    _, number, stamp_ms, width, height, latency_ms, count = HEADER.unpack_from(data)
     if not (SMALLEST_SIDE <= width <= MAX_SIDE and SMALLEST_SIDE <= height <= MAX_SIDE):
         raise ValueError(
             f"frame: expected sides of {SMALLEST_SIDE} to {MAX_SIDE}, got {width} x {height}"
         )
-    if len(data) != HEADER.size + width * height:
+    if count > MAX_READINGS:
+        raise ValueError(f"frame: expected at most {MAX_READINGS} readings, got {count}")
+    end = HEADER.size + width * height
+    if len(data) != end + count * READING_BYTES:
         raise ValueError(
-            f"frame: expected {width * height} bytes of luma, got {len(data) - HEADER.size}"
+            f"frame: expected {width * height} bytes of luma and {count} readings of "
+            f"{READING_BYTES}, got {len(data) - HEADER.size} bytes"
         )
     if not 0.0 <= stamp_ms < _LATEST_MS:
         raise ValueError("frame: expected a stamp in milliseconds")
-    gray = np.frombuffer(data, np.uint8, offset=HEADER.size).reshape(height, width)
+    readings = np.frombuffer(data, "<f4", offset=end).reshape(count, 7).astype(float)
+    if not np.all(np.abs(readings) <= MAX_READING):
+        raise ValueError("frame: expected readings of a motion sensor near its stamp")
+    readings[:, 0] += stamp_ms
+    luma = np.frombuffer(data, np.uint8, width * height, HEADER.size)
     drawn = latency_ms if math.isfinite(latency_ms) and 0.0 <= latency_ms < 1e5 else None
-    return CameraFrame(number, stamp_ms, gray, drawn)
+    return CameraFrame(number, stamp_ms, luma.reshape(height, width), drawn, readings)
 
 
 @dataclass
@@ -103,8 +125,8 @@ class BrowserClock:
 
     begun_ns: int
     now_s: float
+    last_ns: int = -1
     _first_ms: float | None = None
-    _last_ns: int = -1
 
     def stamp_ns(self, stamp_ms: float, now_s: float) -> int:
         """Where a stamp is put.
@@ -114,14 +136,28 @@ class BrowserClock:
         """
         if self._first_ms is None:
             self._first_ms, self.now_s = stamp_ms, now_s
-        passed_s = 1e-3 * (stamp_ms - self._first_ms)
-        stamp_ns = self.begun_ns + round(1e9 * passed_s)
-        if stamp_ns <= self._last_ns:
+        stamp_ns = self.at(stamp_ms)
+        if stamp_ns <= self.last_ns:
             raise ValueError("frame: expected a stamp after the one before")
-        if abs(passed_s - (now_s - self.now_s)) > MAX_DRIFT_S:
+        if self._drift_s(stamp_ms, now_s) > MAX_DRIFT_S:
             raise ValueError("frame: expected a clock that goes as fast as this one, got a jump")
-        self._last_ns = stamp_ns
+        self.last_ns = stamp_ns
         return stamp_ns
+
+    def at(self, stamp_ms: float) -> int:
+        """Where a moment of the browser's clock is put, once that has begun."""
+        assert self._first_ms is not None  # begun by a frame
+        return self.begun_ns + round(1e6 * (stamp_ms - self._first_ms))
+
+    def goes_on(self, stamp_ms: float, now_s: float) -> bool:
+        """Whether a browser that comes goes by this clock, and is the one that went."""
+        if self._first_ms is None or self.at(stamp_ms) <= self.last_ns:
+            return False
+        return self._drift_s(stamp_ms, now_s) < SAME_CLOCK_S
+
+    def _drift_s(self, stamp_ms: float, now_s: float) -> float:
+        assert self._first_ms is not None  # begun by a frame
+        return abs(1e-3 * (stamp_ms - self._first_ms) - (now_s - self.now_s))
 
 
 def image_message(about: Mapping[str, Any], jpeg: bytes) -> bytes:
@@ -238,8 +274,8 @@ class _Site:
         self._camera: WebSocket | None = None
         self._source: threading.Thread | None = None
         self._ended = threading.Event()
-        self._last_ns: int | None = None
-        self._last_s = self._told_s = 0.0
+        self._last_s, self._told_s = math.inf, 0.0
+        self._clock = BrowserClock(0, 0.0)
 
     @contextlib.asynccontextmanager
     async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
@@ -304,19 +340,18 @@ class _Site:
 
     async def _film(self, socket: WebSocket) -> None:
         """Track the frames that a browser sends, the newest of those that wait."""
-        now_s = time.monotonic()
-        since_ns = round(1e9 * max(0.001, now_s - self._last_s))
-        clock = BrowserClock(0 if self._last_ns is None else self._last_ns + since_ns, now_s)
         waiting: list[tuple[CameraFrame, float]] = []
-        wake = asyncio.Event()
+        readings = MessageRate(a_second=READINGS_A_SECOND, at_once=READINGS_AT_ONCE)
+        wake, comes = asyncio.Event(), True
 
         async def track() -> None:
+            nonlocal comes
             while True:
                 await wake.wait()
                 wake.clear()
                 frame, came_s = waiting.pop()
-                waiting.clear()
-                answer = await self._work(partial(self._answer, frame, clock, came_s))
+                answer = await self._work(partial(self._answer, frame, came_s, comes))
+                comes = False
                 await socket.send_text(answer)
 
         async def take(message: Mapping[str, Any]) -> str:
@@ -324,9 +359,15 @@ class _Site:
             if data is None:
                 return await self._gesture(message.get("text") or "")
             try:
-                waiting.append((read_frame(data), time.monotonic()))
+                frame = read_frame(data)
             except ValueError as fault:
                 return str(fault)
+            if not readings.takes(len(frame.readings)):
+                return f"frame: expected at most {READINGS_A_SECOND:.0f} readings a second"
+            if waiting:  # what was felt meanwhile is not lost with its frame
+                since = np.concatenate([waiting[-1][0].readings, frame.readings])
+                frame = replace(frame, readings=since[-MAX_READINGS:])
+            waiting[:] = [(frame, time.monotonic())]
             wake.set()
             return ""
 
@@ -336,14 +377,27 @@ class _Site:
         finally:
             tracking.cancel()
 
-    def _answer(self, sent: CameraFrame, clock: BrowserClock, came_s: float) -> str:
-        """The pose of a frame that a browser sent, as text; in the session's thread."""
+    def _answer(self, sent: CameraFrame, came_s: float, comes: bool) -> str:
+        """The pose of a frame that a browser sent, as text; in the session's thread.
+
+        `comes` says that it is the first of a connection. A browser that was cut off goes on by its
+        clock; another's is put after it, and nothing is known of how its sensors sit.
+        """
         if sent.latency_ms is not None:
             self._session.measure.drawn(1e-3 * sent.latency_ms)
+        if comes and not self._clock.goes_on(sent.stamp_ms, came_s):
+            since_ns = round(1e9 * max(0.001, came_s - self._last_s))
+            self._clock = BrowserClock(self._clock.last_ns + since_ns, came_s)
+            self._session.tracker.forget_inertial()
         try:
-            time_ns = clock.stamp_ns(sent.stamp_ms, came_s)
-            self._last_ns, self._last_s = time_ns, came_s
-            about = self._tracked(LiveFrame(time_ns, sent.gray, came_s), sent.number)
+            time_ns = self._clock.stamp_ns(sent.stamp_ms, came_s)
+            self._last_s = came_s
+            near = np.abs(sent.readings[:, 0] - sent.stamp_ms) <= MAX_READING[0]
+            imu = tuple(
+                ImuSample(self._clock.at(row[0]), np.radians(row[1:4]), row[4:])
+                for row in sent.readings[near]
+            )
+            about = self._tracked(LiveFrame(time_ns, sent.gray, came_s, imu), sent.number)
         except ValueError as fault:
             about = {"frame": sent.number, "state": "refused", "why": str(fault), "pose": None}
         return json.dumps(about, separators=(",", ":"), allow_nan=False)

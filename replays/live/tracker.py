@@ -296,6 +296,11 @@ class LiveTracker:
             return self._remembered(self._slam.update(frame))
         return self._remembered(self._by_board(frame, self.camera, self.target))
 
+    def forget_inertial(self) -> None:
+        """Begin anew to find how the IMU sits on the camera: one of both is another."""
+        self.inertial.close()
+        self.inertial = InertialPoses()
+
     def close(self) -> None:
         """Leave what is being calibrated, synchronised and mapped."""
         self.inertial.close()
@@ -340,8 +345,7 @@ class LiveTracker:
         better = self.calibration.poll()
         if better is not None:
             self.camera, self._board = better.camera, None
-            self.inertial.close()  # its poses were those of another camera
-            self.inertial = InertialPoses()
+            self.forget_inertial()  # its poses were those of another camera
 
     # The pose ------------------------------------------------------------------------------------
 

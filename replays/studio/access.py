@@ -221,14 +221,14 @@ class MessageRate:
     def __post_init__(self) -> None:
         self._left, self._seen_s = self.at_once, self.clock()
 
-    def takes(self) -> bool:
-        """Whether one more is within the rate."""
+    def takes(self, count: int = 1) -> bool:
+        """Whether so many more are within the rate."""
         now = self.clock()
         grown = self._left + (now - self._seen_s) * self.a_second
         self._left, self._seen_s = min(self.at_once, grown), now
-        if self._left < 1.0:
+        if self._left < count:
             return False
-        self._left -= 1.0
+        self._left -= count
         return True
 
 

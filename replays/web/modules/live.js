@@ -6,6 +6,7 @@ import { lookThrough } from "studio/lens.js";
 import { LiveCamera } from "studio/live_camera.js";
 import { LiveFigure } from "studio/live_figure.js";
 import { LiveFigures } from "studio/live_figures.js";
+import { LiveMotion } from "studio/live_motion.js";
 import { LiveTouch } from "studio/live_touch.js";
 import { NO_WEBGL, drawnBy } from "studio/panes.js";
 
@@ -54,6 +55,8 @@ class LivePage {
     this.waiting = new Map();
     /** @type {LiveCamera|null} */
     this.camera = null;
+    /** @type {LiveMotion|null} */
+    this.motion = null;
     this.#connect();
   }
 
@@ -124,6 +127,7 @@ class LivePage {
     this.tries = 0;
     if (what !== "film") return;
     try {
+      this.motion ??= new LiveMotion();
       this.camera ??= await LiveCamera.open();
       await this.#send();
     } catch (fault) {
@@ -153,7 +157,7 @@ class LivePage {
       return;
     }
     const number = this.number++;
-    const message = await this.camera.message(shot, number, this.latency);
+    const message = await this.camera.message(shot, number, this.latency, this.motion.take());
     this.latency = NaN;
     this.shots.set(number, shot);
     socket.send(message);
@@ -240,7 +244,9 @@ class LivePage {
 
   #tell(figures) {
     this.figures.tell(figures);
-    this.note.textContent = [figures.camera_status, figures.recorded].filter(Boolean).join(" · ");
+    const asks = this.motion?.asks ? "tap, to let motion sensors help" : "";
+    const said = [figures.camera_status, figures.recorded, asks];
+    this.note.textContent = said.filter(Boolean).join(" · ");
   }
 }
 

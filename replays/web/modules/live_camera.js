@@ -1,6 +1,9 @@
-// The browser's camera: its newest frame, and the bytes of luma that are sent of it.
+// The browser's camera: its newest frame, and the bytes that are sent of it and of motion sensors.
 
-const HEADER_BYTES = 24;
+import { READING_BYTES } from "studio/live_motion.js";
+
+const HEADER_BYTES = 28;
+const CLOCKED_FRAMES = 30;
 const WIDEST = 1280;
 const WANTED = { width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 30 } };
 const PLANAR = new Set(["I420", "I420A", "I422", "I444", "NV12"]);
@@ -29,6 +32,8 @@ export class LiveCamera {
     /** @type {((shot: Shot) => void)|null} */
     this.wanted = null;
     this.scratch = new Uint8Array(HEADER_BYTES);
+    this.count = 0;
+    this.behind = Infinity; // how far the clock of frames is behind that of events, ms
     this.canvas = document.createElement("canvas");
     const Processor = /** @type {any} not in every browser */ (window).MediaStreamTrackProcessor;
     if (Processor) this.#read(new Processor({ track: this.track, maxBufferSize: 1 }));
@@ -47,6 +52,9 @@ export class LiveCamera {
 
   #put(frame, captured) {
     const shot = { frame, captured_ms: captured };
+    if (this.count++ < CLOCKED_FRAMES) {
+      this.behind = Math.min(this.behind, captured - frame.timestamp / 1000);
+    }
     if (this.wanted) {
       const done = this.wanted;
       this.wanted = null;
@@ -89,26 +97,35 @@ export class LiveCamera {
    * @param {Shot} shot
    * @param {number} number
    * @param {number} latency of the frame before, ms; NaN for none
+   * @param {import("./live_motion.js").Reading[]} readings since the frame before
    */
-  async message({ frame }, number, latency) {
+  async message({ frame }, number, latency, readings) {
     const [width, height] = LiveCamera.sizeOf(frame);
     const { visibleRect: seen } = frame;
     const upright = seen && seen.width === width && seen.height === height;
+    const felt = this.count < CLOCKED_FRAMES ? [] : readings; // before, no clock is theirs
+    const luma = HEADER_BYTES + width * height;
+    const bytes = HEADER_BYTES + (frame.format ? frame.allocationSize() : 0);
+    const least = Math.max(bytes, luma + READING_BYTES * felt.length);
+    if (this.scratch.length < least) this.scratch = new Uint8Array(least);
     if (upright && PLANAR.has(frame.format)) {
-      const bytes = HEADER_BYTES + frame.allocationSize();
-      if (this.scratch.length < bytes) this.scratch = new Uint8Array(bytes);
       await frame.copyTo(this.scratch.subarray(HEADER_BYTES, bytes));
     } else {
       this.#byCanvas(frame, width, height);
     }
     const head = new DataView(this.scratch.buffer);
-    this.scratch.set([77, 76, 89, 49]); // MLY1
+    this.scratch.set([77, 76, 89, 50]); // MLY2
     head.setUint32(4, number, true);
     head.setFloat64(8, frame.timestamp / 1000, true);
     head.setUint16(16, width, true);
     head.setUint16(18, height, true);
     head.setFloat32(20, latency, true);
-    return this.scratch.subarray(0, HEADER_BYTES + width * height);
+    head.setUint32(24, felt.length, true);
+    for (const [k, { at, values }] of felt.entries()) {
+      const row = [at - this.behind - frame.timestamp / 1000, ...values];
+      row.forEach((value, j) => head.setFloat32(luma + READING_BYTES * k + 4 * j, value, true));
+    }
+    return this.scratch.subarray(0, luma + READING_BYTES * felt.length);
   }
 
   #byCanvas(frame, width, height) {
@@ -117,7 +134,6 @@ export class LiveCamera {
     brush.drawImage(frame, 0, 0, width, height);
     const { data } = brush.getImageData(0, 0, width, height);
     const bytes = HEADER_BYTES + width * height;
-    if (this.scratch.length < bytes) this.scratch = new Uint8Array(bytes);
     for (let k = 0, at = HEADER_BYTES; at < bytes; k += 4, at++) {
       this.scratch[at] = 0.299 * data[k] + 0.587 * data[k + 1] + 0.114 * data[k + 2] + 0.5;
     }

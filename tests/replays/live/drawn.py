@@ -7,8 +7,10 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
-from motorcade.ga import Motor, Rotor
+from motorcade.fusion import ADIS16448, simulate_imu
+from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.live import LiveFrame
+from motorcade.replays.live.inertial import ImuSample
 from motorcade.tracking import Board, Camera, board_named
 
 BOARD = board_named("checkerboard_7x6_30mm")
@@ -58,3 +60,23 @@ def frames(count: int, seed: int, board: Board = BOARD) -> Iterator[LiveFrame]:
     """Frames as they come, without waiting."""
     for index in range(count):
         yield LiveFrame(index * STEP_NS, image_of(world_T_camera(index, seed), board))
+
+
+OFFSET_S = 0.021
+IMU_T_CAMERA = Motor.from_rotor_translation(
+    Rotor.from_rotation_vector([0.3, -1.2, 0.4]), [0.02, -0.03, 0.01]
+)
+LEVEL_T_BOARD = Motor.from_rotor_translation(
+    Rotor.from_rotation_vector([0.4, -0.2, 0.1]), [0.0, 0.0, 1.0]
+)
+
+
+def readings(seconds: float, seed: int, rate_hz: float = 200.0) -> list[ImuSample]:
+    """Of an IMU on the drawn camera, whose clock is ahead of the camera's."""
+    stamps = round(1e9 / rate_hz) * np.arange(round(rate_hz * seconds))
+    poses = Motor.stack([world_T_camera(ns / STEP_NS, seed) for ns in stamps.tolist()])
+    path = Trajectory(stamps, LEVEL_T_BOARD @ poses @ IMU_T_CAMERA.inverse())
+    imu = simulate_imu(path, rate_hz, ADIS16448, np.random.default_rng(seed)).stream
+    rows = zip(imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2, strict=True)
+    late_ns = round(1e9 * OFFSET_S)
+    return [ImuSample(int(ns) + late_ns, rate, force) for ns, rate, force in rows]

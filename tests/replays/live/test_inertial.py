@@ -5,38 +5,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from motorcade.fusion import ADIS16448, simulate_imu
-from motorcade.ga import Motor, Rotor, Trajectory
+from motorcade.ga import Motor
 from motorcade.replays.live import LiveFrame, LiveTracker
 from motorcade.replays.live.inertial import (
     BRIDGED_S,
     SURE_OFFSET_S,
-    ImuSample,
     InertialPoses,
 )
 from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.pose import refine
-from tests.replays.live.drawn import BOARD, CAMERA, STEP_NS, image_of, world_T_camera
+from tests.replays.live.drawn import (
+    BOARD,
+    CAMERA,
+    IMU_T_CAMERA,
+    OFFSET_S,
+    STEP_NS,
+    image_of,
+    readings,
+    world_T_camera,
+)
 
 LATE = 5
-OFFSET_S = 0.021
-IMU_T_CAMERA = Motor.from_rotor_translation(
-    Rotor.from_rotation_vector([0.3, -1.2, 0.4]), [0.02, -0.03, 0.01]
-)
-LEVEL_T_BOARD = Motor.from_rotor_translation(
-    Rotor.from_rotation_vector([0.4, -0.2, 0.1]), [0.0, 0.0, 1.0]
-)
-
-
-def readings(seconds: float, seed: int) -> list[ImuSample]:
-    """Of an IMU on the drawn camera, whose clock is ahead of the camera's."""
-    stamps = 5_000_000 * np.arange(round(200 * seconds))
-    poses = Motor.stack([world_T_camera(ns / STEP_NS, seed) for ns in stamps.tolist()])
-    path = Trajectory(stamps, LEVEL_T_BOARD @ poses @ IMU_T_CAMERA.inverse())
-    imu = simulate_imu(path, 200.0, ADIS16448, np.random.default_rng(seed)).stream
-    rows = zip(imu.time_ns, imu.angular_rate_rad_s, imu.specific_force_m_s2, strict=True)
-    late_ns = round(1e9 * OFFSET_S)
-    return [ImuSample(int(ns) + late_ns, rate, force) for ns, rate, force in rows]
 
 
 def off_px(pose: Motor, true: Motor) -> np.ndarray:

@@ -6,26 +6,43 @@ import json
 import struct
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
 import websockets
 from websockets.sync.client import ClientConnection, connect
 
+from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live import app as live_app
 from motorcade.replays.live.app import HEADER, MAX_FRAME_BYTES, MAX_SIDE, BrowserClock, read_frame
-from motorcade.replays.live.session import LiveFigure, LiveSession
+from motorcade.replays.live.inertial import ImuSample
+from motorcade.replays.live.session import LiveFigure, LiveRecorder, LiveSession
+from motorcade.replays.stages.camera.board_poses import board_poses
+from motorcade.replays.stages.inertial.imu import imu
 from motorcade.replays.studio.access import Access
 from tests.bench.live import running
-from tests.replays.live.drawn import BOARD, CAMERA, frames, image_of, world_T_camera
+from tests.replays.live.drawn import (
+    BOARD,
+    CAMERA,
+    IMU_T_CAMERA,
+    OFFSET_S,
+    STEP_NS,
+    frames,
+    image_of,
+    readings,
+    world_T_camera,
+)
+from tests.replays.live.test_session import assert_replayed
 
 PATIENCE_S = 60.0
 NAN = float("nan")
 
 
-def a_session() -> LiveSession:
-    return LiveSession(LiveTracker(BOARD, CAMERA), LiveFigure("mannequin", 0.1))
+def a_session(folder: Path | None = None) -> LiveSession:
+    recorder = None if folder is None else LiveRecorder(folder)
+    return LiveSession(LiveTracker(BOARD, CAMERA), LiveFigure("mannequin", 0.1), recorder)
 
 
 @pytest.fixture
@@ -44,9 +61,22 @@ def told(browser: ClientConnection) -> dict[str, object]:
     return json.loads(browser.recv(PATIENCE_S))
 
 
-def bytes_of(image: np.ndarray, number: int, stamp_ms: float) -> bytes:
+def bytes_of(
+    image: np.ndarray, number: int, stamp_ms: float, readings: object = np.zeros((0, 7))
+) -> bytes:
     height, width = image.shape
-    return HEADER.pack(b"MLY1", number, stamp_ms, width, height, NAN) + image.tobytes()
+    head = HEADER.pack(b"MLY2", number, stamp_ms, width, height, NAN, len(readings))
+    return head + image.tobytes() + np.asarray(readings, "<f4").tobytes()
+
+
+def frame_of(
+    width: int, height: int, size: int, stamp_ms: float = 0.0, *, readings: int = 0
+) -> bytes:
+    return HEADER.pack(b"MLY2", 1, stamp_ms, width, height, NAN, readings) + bytes(size)
+
+
+def with_readings(*rows: object) -> bytes:
+    return bytes_of(np.zeros((64, 64), np.uint8), 1, 9000.0, rows)
 
 
 def closed(browser: ClientConnection) -> int:
@@ -107,14 +137,24 @@ def test_a_socket_needs_our_own_page(access: Access, options: dict[str, object])
     ("data", "said"),
     [
         (b"", "a header"),
-        (b"MLY2" + bytes(20), "a header"),
-        (HEADER.pack(b"MLY1", 1, 0.0, 8, 240, NAN) + bytes(8 * 240), "sides of 64"),
-        (HEADER.pack(b"MLY1", 1, 0.0, 65535, 65535, NAN), f"64 to {MAX_SIDE}"),
-        (HEADER.pack(b"MLY1", 1, 0.0, 320, 240, NAN) + bytes(320 * 240 - 1), "76800 bytes"),
-        (HEADER.pack(b"MLY1", 1, 0.0, 320, 240, NAN) + bytes(320 * 240 + 1), "76800 bytes"),
-        (HEADER.pack(b"MLY1", 1, NAN, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
-        (HEADER.pack(b"MLY1", 1, -1.0, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
-        (HEADER.pack(b"MLY1", 1, 1e300, 320, 240, NAN) + bytes(320 * 240), "a stamp"),
+        (b"MLY1" + bytes(24), "a header"),
+        (frame_of(8, 240, 8 * 240), "sides of 64"),
+        (frame_of(65535, 65535, 0), f"64 to {MAX_SIDE}"),
+        (frame_of(320, 240, 320 * 240 - 1), "76800 bytes"),
+        (frame_of(320, 240, 320 * 240 + 1), "76800 bytes"),
+        (frame_of(320, 240, 320 * 240, NAN), "a stamp"),
+        (frame_of(320, 240, 320 * 240, -1.0), "a stamp"),
+        (frame_of(320, 240, 320 * 240, 1e300), "a stamp"),
+        (frame_of(320, 240, 320 * 240, readings=1), "1 readings of 28"),
+        (frame_of(320, 240, 320 * 240 + 27, readings=1), "1 readings of 28"),
+        (frame_of(320, 240, 320 * 240, readings=2**32 - 1), "at most 256 readings"),
+        (with_readings([NAN, 0, 0, 0, 0, 0, 9.8]), "readings of a motion sensor"),
+        (with_readings([0, 0, 0, 0, 0, 0, NAN]), "readings of a motion sensor"),
+        (with_readings([0, 0, 0, 0, 0, 0, np.inf]), "readings of a motion sensor"),
+        (with_readings([0, 1e9, 0, 0, 0, 0, 9.8]), "readings of a motion sensor"),
+        (with_readings([0, 0, 0, 0, 0, -1e9, 9.8]), "readings of a motion sensor"),
+        (with_readings([6000, 0, 0, 0, 0, 0, 9.8]), "readings of a motion sensor"),
+        (with_readings([-6000, 0, 0, 0, 0, 0, 9.8]), "readings of a motion sensor"),
     ],
 )
 def test_frames_that_are_none_are_refused(data: bytes, said: str) -> None:
@@ -213,3 +253,75 @@ def test_a_source_is_shown_to_whoever_comes_and_its_end_is_told() -> None:
                 (length,) = struct.unpack_from("<I", last)
                 browser.send(f"drew {json.loads(last[4 : 4 + length])['frame']}")
         assert json.loads(last) == {"ended": "the source has ended"}
+
+
+RATE_HZ = 100
+
+
+def felt_between(samples: list[ImuSample], from_ns: float, to_ns: float, frame_ns: int) -> object:
+    """Readings as a page sends them with a frame."""
+    return [
+        [1e-6 * (s.time_ns - frame_ns), *np.degrees(s.rate_rad_s), *s.force_m_s2]
+        for s in samples
+        if from_ns < s.time_ns <= to_ns
+    ]
+
+
+def test_motion_sensors_carry_the_pose_once_they_are_sure_and_are_recorded(tmp_path: Path) -> None:
+    seed, session = 35, a_session(tmp_path / "session")
+    samples = readings(14.0, seed, RATE_HZ)
+    covered, since_ns, told_of = np.full((CAMERA.height, CAMERA.width), 128, np.uint8), 0.0, []
+    with running(session) as access, visit(access) as browser:
+        told(browser)
+        for number in range(300):
+            now_ns = number * STEP_NS
+            until_ns = now_ns + 1e9 * OFFSET_S
+            image = covered if number >= 290 else image_of(world_T_camera(number, seed))
+            felt = felt_between(samples, since_ns, until_ns, now_ns)
+            browser.send(bytes_of(image, number, 5000.0 + 1e-6 * now_ns, felt))
+            told_of.append(told(browser))
+            since_ns = until_ns
+            fit = session.tracker.inertial._fit
+            if fit is not None:
+                fit.exception()  # wait for it, so that the machine's load plays no part
+    status = session.tracker.inertial.status
+    session.close()
+    assert "IMU used" in status, status
+    assert all("by the IMU" in answer["why"] for answer in told_of[-10:])
+    recording = open_recording(tmp_path / "session")
+    assert recording.imu is not None
+    assert len(recording.imu) > 0.99 * RATE_HZ * 1e-9 * 300 * STEP_NS
+    turn = recording.imu_T_camera.rotor.inverse() @ IMU_T_CAMERA.rotor
+    assert turn.angle() < np.radians(1.5)
+    assert_replayed(recording, tmp_path / "session" / "live.jsonl")
+    used = imu(recording, board_poses(recording), source="recorded")
+    assert used.stream is not None
+
+
+def test_what_was_felt_meanwhile_is_not_lost_with_its_frame_and_floods_are_refused() -> None:
+    image = image_of(world_T_camera(0, 5))
+    session = a_session()
+    with running(session) as access, visit(access) as browser:
+        told(browser)
+        for number in range(40):
+            row = [-5.0, 1.0, 2.0, 3.0, 0.0, 0.0, 9.8]
+            browser.send(bytes_of(image, number, 33.0 * number, [row]))
+        while told(browser)["frame"] != 39:
+            pass
+        assert len(session.tracker.inertial._samples) == 40
+        rows = [[float(k), 1.0, 2.0, 3.0, 0.0, 0.0, 9.8] for k in range(256)]
+        errors = []
+        for number in range(40, 50):
+            browser.send(bytes_of(image, number, 33.0 * number, rows))
+            errors.append(told(browser).get("error", ""))
+        assert any("readings a second" in error for error in errors)
+
+
+def test_another_browser_begins_anew_and_one_that_was_cut_off_goes_on(access: Access) -> None:
+    clock = BrowserClock(500, 10.0)
+    assert not clock.goes_on(100.0, 10.0), "nobody came yet"
+    clock.stamp_ns(1e6, 10.0)
+    assert clock.goes_on(1e6 + 7000.0, 17.3)
+    assert not clock.goes_on(1e6 + 7000.0, 19.0)
+    assert not clock.goes_on(1e6 - 1.0, 10.1)
+    assert not clock.goes_on(50.0, 17.0)
