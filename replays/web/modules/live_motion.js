@@ -33,14 +33,13 @@ export class LiveMotion {
   }
 
   #put({ timeStamp, rotationRate: rate, accelerationIncludingGravity: force }) {
+    const felt = [rate?.alpha, rate?.beta, rate?.gamma, force?.x, force?.y, force?.z];
+    if (!felt.every(Number.isFinite)) return; // a sensor that is lacking
     const angle = ((screen.orientation?.angle ?? 0) * Math.PI) / 180;
     const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-    const onScreen = (x, y, z) => [cos * x - sin * y, sin * x + cos * y, z];
-    const values = [
-      ...onScreen(rate?.alpha, rate?.beta, rate?.gamma),
-      ...onScreen(force?.x, force?.y, force?.z).map((value) => this.sign * value),
-    ];
-    if (!values.every(Number.isFinite)) return; // a sensor that is lacking
+    const onScreen = (x, y, z, sign) => [cos * x - sin * y, sin * x + cos * y, z].map((v) => sign * v);
+    const turns = onScreen(rate.alpha, rate.beta, rate.gamma, 1);
+    const values = [...turns, ...onScreen(force.x, force.y, force.z, this.sign)];
     this.kept.push({ at: timeStamp, values });
     if (this.kept.length > MOST) this.kept.shift();
   }

@@ -1,5 +1,7 @@
 """The live page in a browser whose fake camera films a drawn board: tapped, and drawn rightly."""
 
+import json
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,13 +13,14 @@ from motorcade.tracking import Camera
 from tests.bench.live import SIZE, LiveTab, fake_camera, running, write_y4m
 from tests.replays.live import drawn
 
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not Path("/usr/bin/chromium").exists(), reason="apt-get install chromium"),
+]
 
 
 @pytest.mark.parametrize("width", [1200, 390])
 def test_a_tap_stands_the_figure_and_another_lets_it_walk(tmp_path: Path, width: int) -> None:
-    if not Path("/usr/bin/chromium").exists():
-        pytest.skip("no Chromium here: apt-get install chromium")
     camera = Camera(*SIZE, 600.0, 600.0, 319.5, 239.5)
     images = [drawn.image_of(drawn.world_T_camera(k, 31), camera=camera) for k in range(30)]
     write_y4m(tmp_path / "camera.y4m", images, 30)
@@ -35,3 +38,72 @@ def test_a_tap_stands_the_figure_and_another_lets_it_walk(tmp_path: Path, width:
         tab.until("livePage.drawn > 20 && document.body.innerText.includes('px off')")
         assert tab.value("document.body.dataset.state") == "tracking"
         assert session.measure.figures()["registration_px"] < 0.3
+
+
+FILM_HZ, FILM_S, SENSOR_HZ = 15, 40, 60.0
+BITS = 12
+FEEL = """((rows, rate) => {
+  const { camera } = livePage;
+  const send = camera.message.bind(camera);
+  let [begun, next] = [null, 0];
+  camera.message = async (shot, ...rest) => {
+    const data = await send(shot, ...rest);
+    const width = new DataView(data.buffer).getUint16(16, true);
+    let index = 0;
+    for (let bit = 0; bit < %d; bit++) {
+      index |= (data[28 + 8 * width + 16 * bit + 8] > 128) << bit;
+    }
+    if (begun === null && camera.count > 30) {
+      begun = shot.frame.timestamp / 1000 + camera.behind - (1000 * index) / rate;
+      while (rows[next][0] + begun < performance.now()) next++;
+    }
+    return data;
+  };
+  setInterval(() => {
+    for (; begun !== null && rows[next]?.[0] + begun < performance.now(); next++) {
+      const [ms, alpha, beta, gamma, x, y, z] = rows[next];
+      const rotationRate = { alpha, beta, gamma };
+      const accelerationIncludingGravity = { x, y, z };
+      const about = { rotationRate, accelerationIncludingGravity, interval: 16 };
+      const event = new DeviceMotionEvent("devicemotion", about);
+      Object.defineProperty(event, "timeStamp", { value: ms + begun });
+      window.dispatchEvent(event);
+      window.dispatchEvent(new DeviceMotionEvent("devicemotion")); // a device without sensors
+    }
+  }, 10);
+})(%s, %d)"""
+
+
+def numbered(index: int, seed: int) -> np.ndarray:
+    """The board at a frame of the film, whose index stands in its corner."""
+    image = drawn.image_of(drawn.world_T_camera(index * 1e9 / FILM_HZ / drawn.STEP_NS, seed))
+    for bit in range(BITS):
+        image[:16, 16 * bit : 16 * bit + 16] = 255 * (index >> bit & 1)
+    return image
+
+
+@pytest.mark.parametrize("seed", [31, 32])
+def test_motion_sensors_of_the_page_are_used_once_they_are_sure(tmp_path: Path, seed: int) -> None:
+    write_y4m(
+        tmp_path / "camera.y4m", [numbered(k, seed) for k in range(FILM_S * FILM_HZ)], FILM_HZ
+    )
+    rows = [
+        [1e-6 * sample.time_ns, *np.degrees(sample.rate_rad_s), *sample.force_m_s2]
+        for sample in drawn.readings(FILM_S - 1.0, seed, SENSOR_HZ)
+    ]
+    tracker = LiveTracker(drawn.BOARD, drawn.CAMERA)
+    session = LiveSession(tracker, LiveFigure("mannequin", 0.1))
+    with fake_camera(tmp_path / "camera.y4m") as browser, running(session) as access:
+        tab = LiveTab(browser, access.link(), 390, 800)
+        tab.until("window.livePage && livePage.camera")
+        tab.value(FEEL % (BITS, json.dumps(rows), FILM_HZ))
+        tab.until("document.body.innerText.includes('IMU not used yet')")
+        until = time.monotonic() + FILM_S - 3.0
+        while not tracker.inertial.used and time.monotonic() < until:
+            time.sleep(0.2)
+        assert tracker.inertial.used, tracker.inertial.status
+        tab.until("document.body.innerText.includes('IMU used: offset')")
+    known = tracker.inertial.synchronised
+    assert abs(known.offset_s - drawn.OFFSET_S) < 0.02, "the clock of frames is known to a frame"
+    turn = known.imu_T_camera.rotor.inverse() @ drawn.IMU_T_CAMERA.rotor
+    assert turn.angle() < np.radians(1.0)
