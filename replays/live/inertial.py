@@ -33,9 +33,10 @@ from motorcade.replays.io.imu import EUROC_HEADER, kalibr_noise
 SURE_OFFSET_S, SURE_ROTATION_RAD, SURE_LEVER_M = 0.003, np.radians(0.5), 0.02
 """Deviations below which offset and extrinsics are used."""
 FITTED_AT_S = (8.0, 16.0, 32.0, 60.0)
+"""Of poses; from then on the last minute is tried, each half minute, until it is sure."""
 BRIDGED_S = 0.5
 """How long the IMU alone gives a pose: 0.1 m/s² of a force's error are 12 mm then."""
-_KEPT_NS, _FED_NS = 70_000_000_000, 2_000_000_000
+_KEPT_NS, _FED_NS, _AGAIN_NS = 70_000_000_000, 2_000_000_000, 30_000_000_000
 _MOST_SAMPLES = 1 << 16
 _BETWEEN_S = 0.05
 _JUDGED, _FEWEST = 60, 15
@@ -67,7 +68,7 @@ class InertialPoses:
         self._poses: deque[_Pose] = deque()
         self._worker = ThreadPoolExecutor(1, "imu")
         self._fit: Future[Synchronised] | None = None
-        self._fits, self._reason = 0, ""
+        self._fits, self._next_ns, self._reason = 0, 0, ""
         self._filter: PoseFilter | None = None
         self._level = Motor.identity()
         self._missed: deque[tuple[float, float]] = deque(maxlen=_JUDGED)
@@ -126,7 +127,7 @@ class InertialPoses:
             self._poses.popleft()
         if self._filter is not None:
             self._feed(self._filter, self._poses[-1])
-        elif self._fit is None and self._fits < len(FITTED_AT_S):
+        elif self._fit is None:
             self._begin_fit()
 
     def at(self, time_ns: int) -> Motor | None:
@@ -149,9 +150,12 @@ class InertialPoses:
 
     def _begin_fit(self) -> None:
         """Synchronise what came so far, once there is enough of it."""
-        if self._poses[-1][0] - self._poses[0][0] < 1e9 * FITTED_AT_S[self._fits]:
+        least_s = FITTED_AT_S[min(self._fits, len(FITTED_AT_S) - 1)]
+        now_ns = self._poses[-1][0]
+        if now_ns - self._poses[0][0] < 1e9 * least_s or now_ns < self._next_ns:
             return
         self._fits += 1
+        self._next_ns = now_ns + _AGAIN_NS * (self._fits >= len(FITTED_AT_S))
         stamps, poses, _ = zip(*self._poses, strict=True)
         camera = Trajectory(np.array(stamps), Motor.stack(poses))
         rows = [(one.time_ns, one.rate_rad_s, one.force_m_s2) for one in self._samples]
