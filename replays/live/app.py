@@ -171,6 +171,8 @@ log = logging.getLogger("motorcade.live")
 MESSAGES_A_SECOND, MESSAGES_AT_ONCE = 150.0, 300.0
 MOST_REFUSED = 50
 """Messages of one visitor that may be refused before it is hung up on."""
+SILENT_S = 3.0
+"""A browser that films and sent no frame for so long gives way to one that comes."""
 FIGURES_EVERY_S = 0.5
 DRAWN_WITHIN_S = 1.0
 """A viewer that did not say for so long that it drew an image gets the next all the same."""
@@ -272,6 +274,7 @@ class _Site:
         self._viewers: list[_Viewer] = []
         self._present = 0
         self._camera: WebSocket | None = None
+        self._heard_s = 0.0
         self._source: threading.Thread | None = None
         self._ended = threading.Event()
         self._last_s, self._told_s = math.inf, 0.0
@@ -315,9 +318,14 @@ class _Site:
             return
         self._present += 1
         viewer = _Viewer(socket)
-        films = self._frames is None and self._camera is None
+        films = self._frames is None
+        if self._camera is not None:
+            films = time.monotonic() - self._heard_s > SILENT_S
         if films:
-            self._camera = socket
+            if self._camera is not None:  # cut off, and not known to be: nobody waits for it
+                closing = self._camera.close(1013, "another browser films now")
+                self._closing = asyncio.create_task(_quietly(closing))
+            self._camera, self._heard_s = socket, time.monotonic()
         else:
             self._viewers.append(viewer)
         sending = asyncio.create_task(viewer.send())
@@ -331,9 +339,9 @@ class _Site:
         finally:
             self._present -= 1
             sending.cancel()
-            if films:
+            if self._camera is socket:
                 self._camera = None
-            else:
+            elif not films:
                 self._viewers.remove(viewer)
 
     # A browser's camera --------------------------------------------------------------------------
@@ -358,6 +366,9 @@ class _Site:
             data = message.get("bytes")
             if data is None:
                 return await self._gesture(message.get("text") or "")
+            if self._camera is not socket:
+                return "another browser films now"
+            self._heard_s = time.monotonic()
             try:
                 frame = read_frame(data)
             except ValueError as fault:
@@ -367,7 +378,7 @@ class _Site:
             if waiting:  # what was felt meanwhile is not lost with its frame
                 since = np.concatenate([waiting[-1][0].readings, frame.readings])
                 frame = replace(frame, readings=since[-MAX_READINGS:])
-            waiting[:] = [(frame, time.monotonic())]
+            waiting[:] = [(frame, self._heard_s)]
             wake.set()
             return ""
 
@@ -473,6 +484,11 @@ class _Site:
 
     def _work(self, act: Any) -> asyncio.Future[Any]:
         return asyncio.get_running_loop().run_in_executor(self._worker, act)
+
+
+async def _quietly(act: Awaitable[None]) -> None:
+    with suppress(RuntimeError, WebSocketDisconnect):
+        await act
 
 
 async def _hear(socket: WebSocket, take: Callable[[Mapping[str, Any]], Awaitable[str]]) -> None:

@@ -11,7 +11,8 @@ import { LiveTouch } from "studio/live_touch.js";
 import { NO_WEBGL, drawnBy } from "studio/panes.js";
 
 const AGAIN_MS = [300, 1000, 2000, 4000];
-const ANSWER_MS = 3000;
+const ANSWER_MS = 5000;
+const SAID_MS = 10000;
 const WORDS = {
   searching: "Searching",
   tracking: "Tracking",
@@ -51,12 +52,19 @@ class LivePage {
     this.shots = new Map();
     this.tries = 0;
     this.drawn = 0;
+    this.heard = performance.now();
+    this.again = "";
     /** @type {Map<string, () => object>} what fingers did since an image was drawn */
     this.waiting = new Map();
     /** @type {LiveCamera|null} */
     this.camera = null;
     /** @type {LiveMotion|null} */
     this.motion = null;
+    addEventListener("offline", () => this.#lost("no network"));
+    addEventListener("online", () => {
+      this.tries = 0;
+      this.#lost("the network is back");
+    });
     this.#connect();
   }
 
@@ -104,14 +112,28 @@ class LivePage {
     this.socket = new WebSocket(address);
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => this.#hear(event.data);
-    this.socket.onclose = (event) => {
-      this.#say("lost", `${event.reason || "no connection"}; trying again`);
-      const pause = AGAIN_MS[Math.min(this.tries++, AGAIN_MS.length - 1)];
-      setTimeout(() => this.#connect(), pause);
-    };
+    this.socket.onclose = (event) => this.#lost(event.reason || "no connection");
+  }
+
+  /** Without a connection: say so, and connect again. */
+  #lost(why) {
+    clearTimeout(this.patience);
+    clearTimeout(this.retry);
+    Object.assign(this.socket, { onclose: null, onmessage: null });
+    this.socket.close();
+    this.cut ||= this.heard;
+    this.#say("lost", `${why}; trying again`);
+    const pause = AGAIN_MS[Math.min(this.tries++, AGAIN_MS.length - 1)];
+    this.retry = setTimeout(() => this.#connect(), pause);
   }
 
   #hear(data) {
+    this.heard = performance.now();
+    if (this.cut) {
+      this.again = `connected again, after ${((this.heard - this.cut) / 1000).toFixed(1)} s`;
+      setTimeout(() => (this.again = ""), SAID_MS);
+      this.cut = 0;
+    }
     if (typeof data !== "string") {
       this.#watched(data);
       return;
@@ -162,7 +184,11 @@ class LivePage {
     this.shots.set(number, shot);
     socket.send(message);
     clearTimeout(this.patience);
-    this.patience = setTimeout(() => this.#send(), ANSWER_MS);
+    const sent = performance.now();
+    this.patience = setTimeout(() => {
+      if (this.heard > sent) this.#send(); // it was refused, and said so
+      else this.#lost("no answer");
+    }, ANSWER_MS);
   }
 
   #answered(message) {
@@ -245,7 +271,7 @@ class LivePage {
   #tell(figures) {
     this.figures.tell(figures);
     const asks = this.motion?.asks ? "tap, to let motion sensors help" : "";
-    const said = [figures.camera_status, figures.recorded, asks];
+    const said = [this.again, figures.camera_status, figures.recorded, asks];
     this.note.textContent = said.filter(Boolean).join(" · ");
   }
 }

@@ -107,3 +107,34 @@ def test_motion_sensors_of_the_page_are_used_once_they_are_sure(tmp_path: Path, 
     assert abs(known.offset_s - drawn.OFFSET_S) < 0.02, "the clock of frames is known to a frame"
     turn = known.imu_T_camera.rotor.inverse() @ drawn.IMU_T_CAMERA.rotor
     assert turn.angle() < np.radians(1.0)
+
+
+LISTEN = """(() => {
+  window.said = [];
+  const changed = new MutationObserver(() => said.push(document.body.innerText));
+  changed.observe(document.body, { subtree: true, childList: true, characterData: true });
+})()"""
+
+
+def test_a_page_that_is_cut_off_connects_again_and_says_so(tmp_path: Path) -> None:
+    images = [drawn.image_of(drawn.world_T_camera(k, 31)) for k in range(30)]
+    write_y4m(tmp_path / "camera.y4m", images, 15)
+    session = LiveSession(LiveTracker(drawn.BOARD, drawn.CAMERA), LiveFigure("mannequin", 0.1))
+    state, text = "document.body.dataset.state", "document.body.innerText"
+    with fake_camera(tmp_path / "camera.y4m") as browser, running(session) as access:
+        tab = LiveTab(browser, access.link(), 390, 800)
+        other = LiveTab(browser, access.link(), 1200, 800)
+        tab.until(f"{state} === 'tracking'")
+        other.until(f"{state} === 'tracking' && livePage.drawn > 3")
+        network = {"latency": 0, "downloadThroughput": -1, "uploadThroughput": -1}
+        tab.ask("Network.enable")
+        tab.ask("Network.emulateNetworkConditions", offline=True, **network)
+        tab.until(f"{text}.includes('trying again') && {state} === 'lost'")
+        tab.ask("Network.emulateNetworkConditions", offline=False, **network)
+        tab.until(f"{state} === 'tracking' && /connected again, after \\d/.test({text})")
+        tab.value(LISTEN)
+        tab.value("livePage.again = ''; livePage.socket.send = () => {}")  # it vanishes unsaid
+        tab.until("said.some((text) => text.includes('no answer; trying again'))")
+        tab.until(f"{state} === 'tracking' && /connected again, after \\d/.test({text})")
+        drawn_before = other.value("livePage.drawn")
+        other.until(f"livePage.drawn > {drawn_before} + 3")

@@ -243,6 +243,24 @@ def test_others_look_on_and_the_session_outlives_its_camera(access: Access) -> N
     raise AssertionError("the camera's place stays taken")
 
 
+def test_a_camera_that_fell_silent_gives_way(
+    access: Access, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_app, "SILENT_S", 0.0)
+    image = image_of(world_T_camera(0, 5))
+    with visit(access) as silent:
+        assert told(silent) == {"hello": "film"}
+        silent.send(bytes_of(image, 0, 1.0))
+        told(silent)
+        with visit(access) as browser:
+            assert told(browser) == {"hello": "film"}
+            browser.send(bytes_of(image, 1, 9.0))
+            assert told(browser)["state"] == "tracking"
+            assert closed(silent) == 1013
+            browser.send(bytes_of(image, 2, 50.0))
+            assert told(browser)["state"] == "tracking", "the one that went took nothing with it"
+
+
 def test_a_source_is_shown_to_whoever_comes_and_its_end_is_told() -> None:
     with running(a_session(), frames(4, 3)) as access, visit(access) as browser:
         assert told(browser) == {"hello": "watch"}
