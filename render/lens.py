@@ -209,6 +209,13 @@ class LensWarp:
             return depth_m[window]
         return np.asarray(cv2.remap(depth_m, self._source[window], None, cv2.INTER_NEAREST))
 
+    def sources(self, window: Window) -> NDArray[np.float32]:
+        """Where in `pinhole`'s image each pixel of a window of `camera`'s lies, ``(h, w, 2)``."""
+        if self.camera is not self.pinhole:
+            return np.asarray(self._source[window], np.float32)
+        rows, columns = np.mgrid[window]
+        return np.stack([columns, rows], axis=-1).astype(np.float32)
+
     def smooth(self, values: NDArray[np.float32], window: Window = WHOLE) -> NDArray[np.float32]:
         """An image (h, w) of numbers that may be mixed, such as shade, likewise."""
         return values[window] if self.camera is self.pinhole else self._mixed(values, window)
@@ -216,6 +223,27 @@ class LensWarp:
     def _mixed(self, image: NDArray[Any], window: Window) -> NDArray[Any]:
         maps = self._whole[window], self._fraction[window]
         return np.asarray(cv2.remap(image, *maps, cv2.INTER_LINEAR))
+
+
+def as_pinhole(image: ImageArray, camera: Camera, pinhole: Camera, scale: float) -> ImageArray:
+    """A grey image of a camera as a pinhole in its place has it, smaller by a factor; black beyond.
+
+    Pixels' centres are at whole numbers in both.
+    """
+    width, height = (round(scale * side) for side in (pinhole.width, pinhole.height))
+    shrunk = image if scale == 1.0 else cv2.GaussianBlur(image, (0, 0), 0.5 / scale)
+    seen_at = _seen_at(camera, pinhole, width, height)
+    return np.asarray(cv2.remap(shrunk, seen_at, None, cv2.INTER_LINEAR))
+
+
+@lru_cache(maxsize=4)
+def _seen_at(camera: Camera, pinhole: Camera, width: int, height: int) -> NDArray[np.float32]:
+    """Where a camera sees what each pixel of a pinhole's image, made smaller, shows."""
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    larger = np.array([pinhole.width / width, pinhole.height / height])
+    pixels = (np.stack([columns, rows], axis=-1) + 0.5) * larger - 0.5
+    seen = camera.project(pinhole.unproject(pixels))
+    return np.nan_to_num(seen, nan=_NOWHERE).astype(np.float32)
 
 
 @lru_cache(maxsize=4)

@@ -27,6 +27,7 @@ from motorcade.render.scene import ImageArray, Lighting
 from motorcade.render.shadow import ShadowLook
 from motorcade.render.shots import AnyFrame, FilmStage
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.sweep import SceneViews
 
 RendererName = Literal["fast", "pyrender"]
 RENDERERS: tuple[RendererName, ...] = get_args(RendererName)
@@ -90,6 +91,7 @@ def render_performers(
     matching: Matching | None = None,
     prints: Prints | None = None,
     meter: ExposureMeter | None = None,
+    views: SceneViews | None = None,
     renderer: RendererName = "fast",
     visibility: list[tuple[FigureSeen, ...] | None] | None = None,
 ) -> Iterator[ImageArray]:
@@ -119,6 +121,8 @@ def render_performers(
         prints: boards and markers whose place is known: where a frame has no depth, they and the
             ground hide what is behind them.
         meter: of the footage's exposure, which what is drawn then follows.
+        views: of the still scene by `LensWarp(camera).pinhole`: where a frame has no depth, what
+            they show before figures hides these.
         renderer: that draws; see `new_renderer`.
         visibility: takes up, frame by frame, what each performer shows; None without a pose.
 
@@ -134,7 +138,7 @@ def render_performers(
         raise ValueError("render_overlay: expected light_direction or lighting, got both")
     first = performers[0]
     light = lighting or _usual_light(first, world_T_camera, light_direction)
-    stage = FilmStage(camera, performers, light, look, prints, matching)
+    stage = FilmStage(camera, performers, light, look, prints, matching, views)
     pinhole, rng = stage.lens.pinhole, np.random.default_rng(0)
     if stage.lens.drawable < 1.0:
         log.warning(

@@ -33,10 +33,18 @@ from motorcade.render.composite import (
     seen_share,
 )
 from motorcade.render.figures import DrawnFigure, FigureSeen, Performer, figures_seen, lit_together
-from motorcade.render.lens import WHOLE, Extent, LensWarp, Window, plane_homography, seen_extent
+from motorcade.render.lens import (
+    WHOLE,
+    Extent,
+    LensWarp,
+    Window,
+    plane_homography,
+    seen_extent,
+)
 from motorcade.render.light import ExposureMeter, Prints
 from motorcade.render.light.ground import MOST_OVER, PAPER
 from motorcade.render.light.lamps import light_on
+from motorcade.render.occluders import SceneOccluders
 from motorcade.render.scene import DepthArray, ImageArray, Layer, Lighting
 from motorcade.render.shadow import (
     NEAREST_M,
@@ -48,6 +56,7 @@ from motorcade.render.shadow import (
     shade_in_image,
 )
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.sweep import SceneViews
 from motorcade.tracking.masks import fill_masked, standing_depth
 
 # In heights of the character: what is farther than this from the ground, above or below, takes no
@@ -122,6 +131,7 @@ class _Drawn:
     known_m: DepthArray | None
     figures: list[_PosedFigure]
     world_T_camera: Motor
+    time_ns: int
     eye_m: float = 0.0
 
 
@@ -146,6 +156,7 @@ class FilmStage:
         lighting: all the light, made for the first.
         look: of the shadows; None for the usual one.
         matching: how what is drawn is fitted to the footage; None for not at all.
+        views: of the scene, to see what stands before the figures where no depth is measured.
     """
 
     def __init__(
@@ -156,6 +167,7 @@ class FilmStage:
         look: ShadowLook | None,
         prints: Prints | None,
         matching: Matching | None,
+        views: SceneViews | None = None,
     ) -> None:
         self.lens = LensWarp(camera)
         self.figures = [DrawnFigure(figure) for figure in performers]
@@ -165,6 +177,7 @@ class FilmStage:
         self.ground = (still or self.figures)[0].performer
         self.start_ns: int | None = None
         self._look, self._prints = look or ShadowLook(), prints
+        self._occluders = None if views is None else SceneOccluders(views)
         self._matching = matching or Matching()
         stand = self.ground.placement
         light = np.add(*light_on(self.lighting, stand.world_T_character.translation_m, stand.up))
@@ -285,12 +298,14 @@ class FilmStage:
         hull_m = np.concatenate([one.hull_m() for one in moment.figures])
         known = None if measured else known_depth(pinhole, pose, hull_m, self._prints, stand)
         if known is None and not measured:
-            return _Drawn(layer, shade, None, None, moment.figures, pose)
+            return _Drawn(layer, shade, None, None, moment.figures, pose, moment.time_ns)
         ground_m = ground_depth(pinhole, camera_T_ground)
         eye_m = float(camera_T_ground.inverse().translation_m[2])
         known_m = None if known is None else self.lens.depth(known, window)
         stood_on_m = self.lens.depth(ground_m, window)
-        return _Drawn(layer, shade, stood_on_m, known_m, moment.figures, pose, eye_m)
+        return _Drawn(
+            layer, shade, stood_on_m, known_m, moment.figures, pose, moment.time_ns, eye_m
+        )
 
     def _follow(self, renderer: Renderer, posed: _PosedFigure) -> None:
         """Light that goes where one that walks alone goes, or all go on one ground that moves."""
@@ -353,9 +368,26 @@ class FilmStage:
         visible, on_ground = None, np.ones(layer.depth_m.shape)
         if hiding_m is not None:
             visible = seen_share(_depth_to_the_rim(layer), hiding_m) / 256.0
+        seen_before = None
+        if self._occluders is not None and depth_m is None:
+            seen_before = self._occluders.before(
+                shot.image,
+                shot.lens,
+                shot.window,
+                middle.time_ns,
+                middle.world_T_camera,
+                np.concatenate([one.hull_m() for one in middle.figures]),
+                self.ground.world_T_ground(middle.time_ns),
+            )
+        if seen_before is not None:
+            before, before_m = seen_before
+            on_ground = 1.0 - before
+            unhidden = np.where(before_m < _depth_to_the_rim(layer), on_ground, 1.0)
+            visible = unhidden if visible is None else visible * unhidden
         if shot.masked is not None:
-            on_ground, masked_m = 1.0 - shot.masked[0] / 255.0, shot.masked[1]
-            before = np.where(masked_m < _depth_to_the_rim(layer), on_ground, 1.0)
+            unmasked, masked_m = 1.0 - shot.masked[0] / 255.0, shot.masked[1]
+            on_ground = on_ground * unmasked
+            before = np.where(masked_m < _depth_to_the_rim(layer), unmasked, 1.0)
             visible = before if visible is None else visible * before
         shades = [one.shade for one in drawn if one.shade is not None]
         if shades:

@@ -9,8 +9,9 @@ Where on a plane a character finds room and is seen well: whole, for long, not t
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,9 @@ from motorcade.replays.stages.view.ground import (
     upward,
     where_it_looks,
 )
+from motorcade.replays.stages.view.views import scene_views, share_unhidden
 from motorcade.tracking.cameras.camera import Camera
+from motorcade.tracking.depth.sweep import SceneViews
 from motorcade.tracking.planes import (
     FlatSurface,
     Plane,
@@ -48,6 +51,8 @@ _STEP, _ROOM, _STRAYS = 0.05, 0.2, 3
 _MARGIN, _LARGE_ENOUGH, _HEADLESS, _FROM_MIDDLE = 0.03, 0.2, 0.3, 0.05
 # Seen from straight above, what a character is worth beside one seen from the side.
 _FORESHORTENED = 0.5
+# Places whose view is tried, heights apart, until one shows so much of the character.
+_TRIED, _APART, _IN_THE_OPEN = 6, 0.5, 0.9
 # Half of a character's width, what is nearer than it by this factor hides it, of so many points.
 _HALF_WIDE, _NEARER, _HIDING = 0.15, 0.95, 1000
 
@@ -59,7 +64,8 @@ def best_place(
     plane_T_camera: Motor,
     points_m: FloatArray,
     noise_m: float,
-) -> tuple[float, float]:
+    unhidden: Callable[[FloatArray], float] = lambda place: 1.0,
+) -> tuple[tuple[float, float], float]:
     """The place on a plane where the character is in view best, taken over the camera's path.
 
     A frame counts fully where it shows the character whole and at least a fifth as tall as the
@@ -74,21 +80,44 @@ def best_place(
         plane_T_camera: Motor ``(N,)``, its poses in the plane's frame.
         points_m: ``(p, 3)`` seen or mapped, in the plane's frame.
         noise_m: of these.
+        unhidden: what other views tell of a place ``(2,)``: the share of the character there that
+            nothing hides. Of a few places, far apart, the best is taken by both.
 
     Returns:
-        x and y in the plane's frame; its origin where no place is in view.
+        x and y in the plane's frame, its origin where no place is in view; and how well it is
+        seen there, as `share_seen` says.
     """
     places = _places(outline_m)
-    score = share_seen(places, height_m, camera, plane_T_camera, points_m)
+    seen = share_seen(places, height_m, camera, plane_T_camera, points_m)
+    score = seen
     if not score.any():
-        return 0.0, 0.0
+        return (0.0, 0.0), 0.0
     free = _free(places, height_m, points_m, noise_m)
     if np.any(score[free] > 0.0):
         score = np.where(free, score, -np.inf)
     reach = np.linalg.norm(outline_m, axis=1).max()
     score = score - _FROM_MIDDLE * np.linalg.norm(places, axis=1) / reach
-    x, y = places[int(np.argmax(score))]
-    return float(x), float(y)
+    best, worth = int(np.argmax(score)), -np.inf
+    for k in _apart(places, score, _APART * height_m):
+        share = unhidden(places[k])
+        if share * score[k] > worth:
+            best, worth, seen[k] = k, share * score[k], share * seen[k]
+        if share > _IN_THE_OPEN:
+            break
+    x, y = places[best]
+    return (float(x), float(y)), float(seen[best])
+
+
+def _apart(places: FloatArray, score: FloatArray, apart_m: float) -> list[int]:
+    """A few places in the order of their score, none near one that is better."""
+    chosen: list[int] = []
+    for k in np.argsort(-score, kind="stable"):
+        away = np.linalg.norm(places[chosen] - places[k], axis=1)
+        if score[k] > 0.0 and away.min(initial=np.inf) >= apart_m:
+            chosen.append(int(k))
+        if len(chosen) == _TRIED:
+            break
+    return chosen
 
 
 def share_seen(
@@ -226,6 +255,7 @@ class SeenScene:
         depth_m: how far away the points are in the median.
         gravity: up and how it was measured, where it was.
         has_level: whether there is a map, at whose foot a level can lie.
+        views: of the scene, where no depth was measured.
     """
 
     recording: Recording
@@ -238,6 +268,7 @@ class SeenScene:
     depth_m: float = 1.0
     gravity: tuple[FloatArray, str] | None = None
     has_level: bool = False
+    views: SceneViews | None = None
 
 
 def seen_scene(recording: Recording, camera_poses: CameraPoses, path: Trajectory) -> SeenScene:
@@ -267,7 +298,11 @@ def seen_scene(recording: Recording, camera_poses: CameraPoses, path: Trajectory
     planes = find_planes(mapped, noise_m, rng, seen_from_m=first.translation_m).planes
     eyes = path.motors.translation_m[[0, len(path) // 2, -1]]
     beliefs = tuple(belief_in(plane, mapped, noise_m, eyes) for plane in planes)
-    return replace(scene, planes=planes, beliefs=beliefs, found_in="the map", depth_m=depth_m)
+    camera = recording.camera
+    views = None if camera is None else scene_views(recording, path, camera.undistorted())
+    return replace(
+        scene, planes=planes, beliefs=beliefs, found_in="the map", depth_m=depth_m, views=views
+    )
 
 
 def weigh_up(scene: SeenScene) -> UpEstimate:
@@ -363,9 +398,12 @@ def _fitted(
         return ground
     plane_T_world = ground.world_T_plane.inverse()
     seen_from, points = plane_T_world @ scene.path.motors, plane_T_world.apply(scene.points)
-    height_m, place = ground.height_m, ground.position_m
+    height_m, place, seen = ground.height_m, ground.position_m, 0.0
     for attempt in range(2):
-        place = best_place(outline, height_m, camera, seen_from, points, noise_m)
+        unhidden = partial(
+            share_unhidden, scene.views, height_m=height_m, world_T_plane=ground.world_T_plane
+        )
+        place, seen = best_place(outline, height_m, camera, seen_from, points, noise_m, unhidden)
         tall_m = tall_at(place, camera, seen_from)
         if attempt or height_m == FLOOR_HEIGHT_M:
             break
@@ -373,13 +411,12 @@ def _fitted(
             height_m = min(height_m, _LARGEST_SHARE * tall_m)
         else:
             height_m = max(height_m, min(room_m, tall_m))
-    seen = share_seen(np.array([place]), height_m, camera, seen_from, points)
     return replace(
         ground,
         position_m=place,
         height_m=height_m,
         outline_m=outline,
-        rank=share * float(seen[0]),
+        rank=share * seen,
     )
 
 

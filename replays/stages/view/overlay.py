@@ -30,7 +30,7 @@ from motorcade.render import (
 )
 from motorcade.render.composite import Matching, stored_ends
 from motorcade.render.figures import FigureSeen
-from motorcade.render.lens import warped
+from motorcade.render.lens import LensWarp, warped
 from motorcade.render.light import (
     ExposureMeter,
     Prints,
@@ -53,6 +53,7 @@ from motorcade.replays.stages.values.paths import SmoothedPaths
 from motorcade.replays.stages.values.view import FigureCheck, OverlayVideo, PlacedCharacter
 from motorcade.replays.stages.view.acting import performers
 from motorcade.replays.stages.view.ground import prints_of
+from motorcade.replays.stages.view.views import scene_views
 from motorcade.tracking.masks import refine_mask
 from motorcade.tracking.rolling import as_read
 
@@ -97,9 +98,10 @@ def overlay(
     255; none: each frame's own) grains it. In footage without colour the character has none.
     The path is extrapolated to measured poses within 0.1 s of its ends, as fusion may end before
     them; frames without a pose are shown as they are. Where the recording has depth, what is nearer
-    hides the character; where it has none, the board, markers and the ground do; masks of who walks
-    in front hide it in any. Raises `Unavailable` without OpenGL and for recordings of corners, and
-    ValueError without a camera or for a representation that was not smoothed.
+    hides the character; where it has none, the board, markers and the ground do, and what other
+    images show nearer; masks of who walks in front hide it in any. Raises `Unavailable` without
+    OpenGL and for recordings of corners, and ValueError without a camera or for a representation
+    that was not smoothed.
     """
     if recording.camera is None:
         raise ValueError(f"{recording.name}: no camera known; describe it in a manifest")
@@ -124,6 +126,9 @@ def overlay(
     prints = prints_of(recording, camera_poses, marker_map)
     if light == "estimated":
         lighting, lit_by, meter, ends = _estimated(footage, path, placed, character, prints)
+    views = None
+    if placed.ground_motion is None:
+        views = scene_views(recording, path, LensWarp(footage.camera).pinhole)
     if view != "footage":
         path = footage.turned(path, steady_view(path, middle_m, live=view == "live"))
     visibility: list[tuple[FigureSeen, ...] | None] = []
@@ -138,6 +143,7 @@ def overlay(
         if all(one.ground_motion is None for one in shown)
         else None,  # where things move, a map may not hold
         meter=meter,
+        views=views,
         renderer=renderer,
         visibility=visibility,
     )

@@ -35,28 +35,28 @@ def whole(place: tuple[float, float], plane_T_camera: Motor) -> FloatArray:
 def test_a_camera_that_goes_by_has_it_whole_as_long_as_any_place_allows() -> None:
     """Forward over the plane's middle: a place there would soon be behind the camera."""
     ride = level(np.stack([np.linspace(-5, 0, 30), np.zeros(30), np.full(30, 0.8)], axis=-1))
-    found = best_place(OUTLINE, HEIGHT_M, CAMERA, ride, NOTHING, 0.0)
+    found = best_place(OUTLINE, HEIGHT_M, CAMERA, ride, NOTHING, 0.0)[0]
     assert np.count_nonzero(whole(found, ride)) >= 29
     assert np.count_nonzero(whole((0.0, 0.0), ride)) < 25
 
 
 def test_seen_alike_the_middle_is_taken() -> None:
     far = level(np.tile([-9.0, 0.0, 0.8], (5, 1)))
-    ring = best_place(OUTLINE[:, ::-1][::-1] * [0.1, 0.1], HEIGHT_M, CAMERA, far, NOTHING, 0.0)
+    ring = best_place(OUTLINE[:, ::-1][::-1] * [0.1, 0.1], HEIGHT_M, CAMERA, far, NOTHING, 0.0)[0]
     np.testing.assert_allclose(ring, 0.0, atol=0.05)
 
 
 def test_where_something_stands_it_does_not(rng: np.random.Generator) -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
-    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0))
+    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0)[0])
     mug = np.append(free, 0.2) + rng.uniform(-0.1, 0.1, (200, 3))
-    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, mug, 0.01))
+    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, mug, 0.01)[0])
     assert np.linalg.norm(other - free) > 0.2
     assert whole((other[0], other[1]), look).all()
     # Paper on the table, a lamp above its head, and a few wrong points are in nobody's way.
     flat, above = mug * [1.0, 1.0, 0.1], mug + np.array([0.0, 0.0, 2.0])
     harmless = np.concatenate([flat, above, mug[:2]])
-    same = best_place(OUTLINE, HEIGHT_M, CAMERA, look, harmless, 0.01)
+    same = best_place(OUTLINE, HEIGHT_M, CAMERA, look, harmless, 0.01)[0]
     np.testing.assert_array_equal(same, free)
 
 
@@ -64,7 +64,7 @@ def test_where_something_stands_it_does_not(rng: np.random.Generator) -> None:
 def test_out_of_view_or_room_it_still_has_a_place(crowded: bool, rng: np.random.Generator) -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)), 0.0 if crowded else np.pi)
     crowd = rng.uniform([-3.5, -2.5, 0.2], [3.5, 2.5, 0.9], (20_000, 3))
-    found = best_place(OUTLINE, HEIGHT_M, CAMERA, look, crowd if crowded else NOTHING, 0.01)
+    found = best_place(OUTLINE, HEIGHT_M, CAMERA, look, crowd if crowded else NOTHING, 0.01)[0]
     assert np.all(np.isfinite(found))
     if not crowded:
         assert found == (0.0, 0.0)
@@ -72,11 +72,11 @@ def test_out_of_view_or_room_it_still_has_a_place(crowded: bool, rng: np.random.
 
 def test_what_stands_before_a_place_is_looked_past(rng: np.random.Generator) -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
-    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0))
+    free = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0)[0])
     chair = np.array([-2.5, 0.0, 0.4]) + rng.uniform(-0.3, 0.3, (200, 3))
     chair[:, 0] -= max(0.0, -2.0 - free[0])
     hidden = share_seen(free[None], HEIGHT_M, CAMERA, look, chair)
-    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, chair, 0.01))
+    other = np.array(best_place(OUTLINE, HEIGHT_M, CAMERA, look, chair, 0.01)[0])
     assert hidden[0] < 0.5
     assert share_seen(other[None], HEIGHT_M, CAMERA, look, chair)[0] > 2.0 * hidden[0]
     assert share_seen(free[None], HEIGHT_M, CAMERA, look, NOTHING)[0] > 0.9
