@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
@@ -108,10 +109,11 @@ def unrolled_track(
     return unrolled
 
 
-def _moving(
-    track: BoardTrack, board: Board, poses: Motor
-) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
-    """All corners in the camera's frame, its twist a second, where they are; each frame's first."""
+_Moving = tuple[FloatArray, FloatArray, FloatArray, IntArray]
+"""Corners in the camera's frame, its twist a second, where they are; each frame's first."""
+
+
+def _moving(track: BoardTrack, board: Board, poses: Motor) -> _Moving:
     time_ns = track.measurements.trajectory.time_ns
     counts = [len(seen.ids) for seen in track.observations]
     view = np.repeat(np.arange(len(counts)), counts)
@@ -132,16 +134,31 @@ def with_unsure_shutter(
         camera: that saw it.
         unsure_s2: ``(2, 2)`` mean square of what is left of `shutter_s`, s².
     """
-    path = track.measurements.trajectory
-    in_camera, twist, px, starts = _moving(track, board, path.motors)
+    seen = _moving(track, board, track.measurements.trajectory.motors)
+    return replace(track, measurements=_less_sure(track.measurements, camera, seen, unsure_s2))
+
+
+def with_unsure_readout(
+    measured: PoseMeasurements, stream: CornerStream, known: MarkerMap, unsure_s2: FloatArray
+) -> PoseMeasurements:
+    """Poses by markers, as `with_unsure_shutter` gives those by a board; arguments as there."""
+    _, in_camera, twist, px, view = _markers_moving(stream, measured.trajectory, known)
+    starts = 4 * np.searchsorted(view, np.arange(len(measured)))
+    return _less_sure(measured, stream.camera, (in_camera, twist, px, starts), unsure_s2)
+
+
+def _less_sure(
+    measured: PoseMeasurements, camera: Camera, seen: _Moving, unsure_s2: FloatArray
+) -> PoseMeasurements:
+    in_camera, twist, px, starts = seen
     likely_s = np.linalg.cholesky(unsure_s2).T
     shifts = np.stack([shift_px(camera, in_camera, twist, px, one) for one in likely_s], -1)
     by_pose = reproject(camera, in_camera)[1]
     down = by_pose.swapaxes(-1, -2)
     square, pull = (np.add.reduceat(down @ other, starts) for other in (by_pose, shifts))
     moved = np.linalg.solve(square, pull)
-    spread = track.measurements.covariance + moved @ moved.swapaxes(-1, -2)
-    return replace(track, measurements=PoseMeasurements(path, spread))
+    spread = measured.covariance + moved @ moved.swapaxes(-1, -2)
+    return PoseMeasurements(measured.trajectory, spread)
 
 
 def unrolled_stream(
@@ -157,6 +174,17 @@ def unrolled_stream(
         known: where the markers are.
         shutter_s: as `lateness_s` takes it.
     """
+    mapped, in_camera, twist, seen, _ = _markers_moving(stream, path, known)
+    shift = shift_px(stream.camera, in_camera, twist, seen, shutter_s)
+    corners = stream.corners_px.copy()
+    corners[mapped] = (seen - shift).reshape(-1, 4, 2)
+    return replace(stream, corners_px=corners)
+
+
+def _markers_moving(
+    stream: CornerStream, path: Trajectory, known: MarkerMap
+) -> tuple[NDArray[np.bool_], FloatArray, FloatArray, FloatArray, IntArray]:
+    """Which observations are of mapped markers; of their corners as of a board; their poses."""
     frames = stream.time_ns[stream.frame]
     mapped = np.isin(stream.marker_ids, known.marker_ids) & np.isin(frames, path.time_ns)
     view = np.searchsorted(path.time_ns, frames[mapped])
@@ -165,11 +193,7 @@ def unrolled_stream(
     points = known.points_m.reshape(-1, 4, 3)[body]
     in_camera = path.motors[view].inverse()[:, None].apply(points).reshape(-1, 3)
     seen = stream.corners_px[mapped].reshape(-1, 2)
-    twist = np.repeat(velocity[view], 4, axis=0)
-    shift = shift_px(stream.camera, in_camera, twist, seen, shutter_s)
-    corners = stream.corners_px.copy()
-    corners[mapped] = (seen - shift).reshape(-1, 4, 2)
-    return replace(stream, corners_px=corners)
+    return mapped, in_camera, np.repeat(velocity[view], 4, axis=0), seen, view
 
 
 def as_read(

@@ -237,7 +237,7 @@ def self_calibrate_tags(
         mapped = map_markers({"camera": stream}, {int(one): 1.0 for one in stream.marker_ids})
     except TrackingError as error:
         raise SelfCalibrationError(f"markers: {error}") from error
-    seen, start = _started(stream, mapped, focal)
+    seen, start = tag_observations(stream, mapped)
     chosen = choose_lens(seen, start, readout=True)
     return calibration_of(chosen, seen, "tags", int(stream.time_ns[0]))
 
@@ -251,10 +251,18 @@ def _once(frame: Sequence[Detection]) -> list[Detection]:
     )
 
 
-def _started(
-    stream: CornerStream, mapped: MappedRecording, focal: float
+def tag_observations(
+    stream: CornerStream, mapped: MappedRecording
 ) -> tuple[BodyObservations, BodyState]:
-    """Observations of the map's markers in frames that have a pose, and where the fit begins."""
+    """Markers of a map in frames that have a pose, and where a fit of them begins.
+
+    Args:
+        stream: of a camera without distortion, its axis in the middle.
+        mapped: of it, the rig being the camera.
+
+    Raises:
+        SelfCalibrationError: fewer views than a fit takes.
+    """
     layout, path = mapped.marker_map, mapped.trajectory
     sides = layout.world_T_marker
     size = stream.camera.width, stream.camera.height
@@ -263,7 +271,7 @@ def _started(
     frame, ids = stream.frame[known], stream.marker_ids[known]
     view = np.searchsorted(path.time_ns, stream.time_ns[frame])
     body = np.searchsorted(layout.marker_ids, ids)
-    square = marker_points_m(1.0)
+    square = layout.side_m[body, None, None] * marker_points_m(1.0)
     points = (path.motors[view].inverse() @ sides[body])[:, None].apply(square)
     error = np.linalg.norm(stream.camera.project(points) - stream.corners_px[known], axis=-1).max(
         axis=-1
@@ -279,12 +287,12 @@ def _started(
         1e-9 * (path.time_ns[views] - stream.time_ns[0]),
         np.searchsorted(views, view[corners]),
         np.searchsorted(bodies, body[corners]),
-        np.tile(square, (int(good.sum()), 1)),
+        square[good].reshape(-1, 3),
         stream.corners_px[known][good].reshape(-1, 2),
     )
     start = BodyState(
         PINHOLE,
-        start_numbers(focal, size),
+        start_numbers(stream.camera.fx, size),
         np.zeros(2),
         first @ path.motors[views],
         first @ sides[bodies],

@@ -19,11 +19,13 @@ from motorcade.tracking.board_tracking.witness import pixel_offsets
 from motorcade.tracking.boards.corners import BoardCorners
 from motorcade.tracking.cameras.calibrate import choose_lens, try_lenses, view_error_px
 from motorcade.tracking.checks import GrayImage
+from motorcade.tracking.markers.corner_stream import CornerStream
+from motorcade.tracking.markers.mapping.estimate import MappedRecording
 from motorcade.tracking.measurements import MarkerObservation
-from motorcade.tracking.self_calibration.boards import board_observations
+from motorcade.tracking.self_calibration.boards import board_observations, tag_observations
 from motorcade.tracking.self_calibration.bodies import READOUT_SIGMA_S, fit, spread_runs
 from motorcade.tracking.self_calibration.choosing import ChosenFit, as_kind, weighed_fit
-from motorcade.tracking.self_calibration.lens import KINDS
+from motorcade.tracking.self_calibration.lens import KINDS, PINHOLE, start_numbers
 
 _VIEWS, _CALIBRATED, _OUTLIERS = 90, 20, 0.1
 _TERMS = next(kind for kind in KINDS if kind.name == "radtan with k1 k2")
@@ -54,24 +56,51 @@ def audited_board(
     """
     camera = camera_of(recording)
     of_camera, best = _camera(camera, board, tracked, recording.focal_sigma, noise_px)
+    shutter, off_s, left_s2 = _readout(recording, best, "the board's views")
+    return (of_camera, *shutter), off_s, left_s2
+
+
+def audited_markers(
+    recording: Recording, stream: CornerStream, mapped: MappedRecording, noise_px: float
+) -> tuple[tuple[AuditFinding, ...], FloatArray, FloatArray]:
+    """Compare the shutter with loose markers, as `audited_board` does with a board.
+
+    Args:
+        recording: with its camera as stated.
+        stream: what it saw of markers.
+        mapped: where these are, and where it was.
+        noise_px: how far corners can scatter, of which residuals may show less.
+    """
+    camera, rows = stream.camera, np.unique(stream.frame)
+    px = _flat(camera, stream.corners_px)
+    some = np.isin(stream.frame, rows[spread_runs(len(rows), _VIEWS)])
+    some &= np.isfinite(px).all(axis=(1, 2))
+    size = camera.width, camera.height
+    pinhole = PINHOLE.camera(start_numbers(_focal(camera), size), size)
+    try:
+        flat = replace(stream.where(some), camera=pinhole, corners_px=px[some])
+        seen, start = tag_observations(flat, mapped)
+        best = _alike_as(weighed_fit(seen, start, readout=True), noise_px)
+    except SelfCalibrationError:
+        best = None
+    return _readout(recording, best, "the markers")
+
+
+def _readout(
+    recording: Recording, best: ChosenFit | None, seen: str
+) -> tuple[tuple[AuditFinding, ...], FloatArray, FloatArray]:
+    """The finding on the shutter, by how much it is off, and what then is left of it."""
     if best is None:
-        return (of_camera,), np.zeros(2), READOUT_SIGMA_S**2 * np.eye(2)
+        return (), np.zeros(2), READOUT_SIGMA_S**2 * np.eye(2)
     lens, left_s = len(best.fit.state.numbers), best.fit.state.readout_s
     spread_s2 = best.covariance[lens : lens + 2, lens : lens + 2]
-    shutter, off_s = _shutter(recording.shutter_s, left_s, np.sqrt(np.diag(spread_s2)))
-    return (of_camera, shutter), off_s, spread_s2 + np.outer(left_s - off_s, left_s - off_s)
-
-
-def _shutter(
-    stated_s: FloatArray, left_s: FloatArray, sigmas_s: FloatArray
-) -> tuple[AuditFinding, FloatArray]:
-    """The shutter's read-out, stated or none, against what the views say is left of it."""
+    stated_s, sigmas_s = recording.shutter_s, np.sqrt(np.diag(spread_s2))
     ratios = np.abs(left_s) / sigmas_s
     axis = int(np.argmax(ratios))
     off_s, sigma_s = left_s[axis] * np.eye(2)[axis], float(sigmas_s[axis])
     said_s = (stated_s + off_s)[axis]
     summary = (
-        f"the board's views say {1e3 * said_s:.1f} ± {1e3 * sigma_s:.1f} ms "
+        f"{seen} say {1e3 * said_s:.1f} ± {1e3 * sigma_s:.1f} ms "
         f"{('to the right', 'downwards')[axis]} where a read-out of {1e3 * stated_s[axis]:.1f} ms "
         "is stated"
     )
@@ -80,7 +109,9 @@ def _shutter(
     if denied := ratios[axis] > _SHUTTER_SIGMAS and abs(left_s[axis]) > _SHUTTER_S:
         verdict = "contradicted"
     advice = "that was taken; state readout_s, and which way the camera was held"
-    return AuditFinding("shutter", verdict, figure, "log ratio", summary, advice), denied * off_s
+    off_s = denied * off_s
+    finding = AuditFinding("shutter", verdict, figure, "log ratio", summary, advice)
+    return (finding,), off_s, spread_s2 + np.outer(left_s - off_s, left_s - off_s)
 
 
 def pixels_finding(
@@ -154,17 +185,12 @@ def _camera(
             where it was stated.
         noise_px: how far corners can scatter.
     """
-    name, focal = "camera_on_board", float(np.sqrt(camera.fx * camera.fy))
-    size = camera.width, camera.height
+    name, focal, size = "camera_on_board", _focal(camera), (camera.width, camera.height)
     some = [tracked.observations[row] for row in spread_runs(len(tracked.observations), _VIEWS)]
-    flat = [
-        focal * camera.unproject(sighted.corners_px)[:, :2] + 0.5 * np.array(size) - 0.5
-        for sighted in some
-    ]
     views = [
         (row, view)
-        for row, (sighted, px) in enumerate(zip(some, flat, strict=True))
-        if np.isfinite(px).all()
+        for row, sighted in enumerate(some)
+        if np.isfinite(px := _flat(camera, sighted.corners_px)).all()
         and (view := BoardCorners(sighted.ids, px, board.points_m[sighted.ids])).spanning
     ]
     try:
@@ -179,8 +205,7 @@ def _camera(
         return AuditFinding(name, "unknown", None, "share", summary), None
     best_px = bent.fit.rms_px
     worse = held.rms_px > max(_TIMES * best_px, best_px + _WORSE_PX)
-    best = bent if worse else free
-    best = replace(best, alike=max(best.alike, noise_px / best.fit.sigma_px))
+    best = _alike_as(bent if worse else free, noise_px)
     ratio = float(best.fit.state.numbers[0]) / focal
     sigma = float(np.sqrt(best.covariance[0, 0])) / focal
     off = abs(ratio - 1.0)
@@ -197,6 +222,21 @@ def _camera(
     conclusive = best_px <= scatter_px(camera) and _SIGMAS * sigma <= _SEPARABLE
     verdict: Verdict = "consistent" if conclusive else "unknown"
     return AuditFinding(name, verdict, off, "share", summary), best
+
+
+def _focal(camera: Camera) -> float:
+    return float(np.sqrt(camera.fx * camera.fy))
+
+
+def _flat(camera: Camera, px: FloatArray) -> FloatArray:
+    """Where a camera of the same focal length without distortion, in the middle, shows pixels."""
+    middle = 0.5 * np.array([camera.width, camera.height]) - 0.5
+    return np.asarray(_focal(camera) * camera.unproject(px)[..., :2] + middle)
+
+
+def _alike_as(chosen: ChosenFit, noise_px: float) -> ChosenFit:
+    """The fit, no surer than corners are that scatter so far."""
+    return replace(chosen, alike=max(chosen.alike, noise_px / chosen.fit.sigma_px))
 
 
 def _mend(camera: Camera, board: Board, seen: Sequence[MarkerObservation]) -> str:

@@ -6,18 +6,20 @@ Their corners are found or were recorded; they are mapped together and tracked b
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
 
 from motorcade.ga import Motor
+from motorcade.ga.arrays import FloatArray
 from motorcade.ga.progress import track
 from motorcade.replays.engine.stage import NotOffered, Unavailable
 from motorcade.replays.io.readers.frames.corners import CornerFrames
 from motorcade.replays.io.recording import ImageArray, LooseMarkers, Recording
-from motorcade.replays.stages.camera.board_audit import pixels_finding
+from motorcade.replays.stages.camera.board_audit import audited_markers, pixels_finding
 from motorcade.replays.stages.camera.offered import camera_of, sampled_images, spread_frames
 from motorcade.replays.stages.values.camera_poses import MarkerPoses, SightedPoints
 from motorcade.tracking import (
@@ -49,7 +51,7 @@ from motorcade.tracking.markers.refinding import refind_markers
 from motorcade.tracking.markers.scenes import MarkerScene
 from motorcade.tracking.markers.scenes.estimate import map_scene
 from motorcade.tracking.pose import SIGMA_FLOOR_PX
-from motorcade.tracking.rolling import unrolled_stream
+from motorcade.tracking.rolling import unrolled_stream, with_unsure_readout
 from motorcade.tracking.targets.finding import doubled_ids
 from motorcade.tracking.targets.stated import name_target
 
@@ -104,11 +106,20 @@ def marker_poses(
         scale_sigma = scale if known is None else 0.0
     floor_px = max(noise_px, SIGMA_FLOOR_PX)
 
-    def map_or_track(streams: Mapping[str, CornerStream], **limit: float) -> MappedRecording:
-        limit["floor_px"] = floor_px
+    def map_or_track(
+        streams: Mapping[str, CornerStream], most_px: float = np.inf
+    ) -> MappedRecording:
+        rig_T_camera = seen.rig_T_camera
         if known is not None:
-            return track_rig(known, streams, seen.rig_T_camera, **limit)
-        return map_markers(streams, seen.side_m, seen.rig_T_camera, posed=seen.posed, **limit)
+            return track_rig(known, streams, rig_T_camera, floor_px=floor_px, most_px=most_px)
+        return map_markers(
+            streams,
+            seen.side_m,
+            rig_T_camera,
+            posed=seen.posed,
+            floor_px=floor_px,
+            most_px=most_px,
+        )
 
     mapped = map_or_track(streams)
     audit: tuple[AuditFinding, ...] = (_doubled(twice),) if twice else ()
@@ -122,11 +133,13 @@ def marker_poses(
             audit += (_restless(restless, before_px, float(np.median(mapped.frame_error_px))),)
     if mapped.error_px.max() > limit_px:
         mapped = map_or_track(streams, most_px=limit_px)
-    if recording.readout_s and len(streams) == 1 and seen.posed is None:
-        path = _of_camera(mapped, _ONLY).trajectory
-        shutter_s = recording.shutter_s
-        streams = {_ONLY: unrolled_stream(streams[_ONLY], path, mapped.marker_map, shutter_s)}
-        mapped = map_or_track(streams, most_px=limit_px)
+    unsure_s2 = np.zeros((0, 0))
+    if len(streams) == 1 and seen.posed is None:
+        remap = partial(map_or_track, most_px=limit_px)
+        streams, mapped, found, unsure_s2 = _read_at_once(
+            recording, streams, mapped, remap, noise_px
+        )
+        audit += found
     if recording.markers is not None and shown:
         drawn = _drawn(shown, streams[_ONLY], mapped, recording.markers.family)
         audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)
@@ -139,8 +152,12 @@ def marker_poses(
         + (f"; {len(mapped.left_out)} markers never seen beside them" if mapped.left_out else "")
         + ("" if recording.metric else "; their size is not known: lengths have no unit")
     )
+    name, stream = next(iter(streams.items()))
+    measured = _of_camera(mapped, name, scale_sigma)
+    if unsure_s2.size:
+        measured = with_unsure_readout(measured, stream, mapped.marker_map, unsure_s2)
     return MarkerPoses(
-        _of_camera(mapped, next(iter(streams)), scale_sigma),
+        measured,
         mapped.time_ns,
         mapped.frame_error_px,
         "markers",
@@ -150,8 +167,36 @@ def marker_poses(
         seconds=time.perf_counter() - start,
         corner_px=noise_px,
         marker_map=mapped.marker_map,
-        sighted=_sighted(next(iter(streams.values())), mapped.marker_map),
+        sighted=_sighted(stream, mapped.marker_map),
     )
+
+
+def _read_at_once(
+    recording: Recording,
+    streams: dict[str, CornerStream],
+    mapped: MappedRecording,
+    remap: Callable[[Mapping[str, CornerStream]], MappedRecording],
+    noise_px: float,
+) -> tuple[dict[str, CornerStream], MappedRecording, tuple[AuditFinding, ...], FloatArray]:
+    """One camera's corners and map without its shutter's read-out, as stated or as they deny it.
+
+    With the finding on that, and the mean square ``(2, 2)`` of what is left, where images tell.
+    """
+    name, rolled = next(iter(streams.items()))
+
+    def unrolled(shutter_s: FloatArray) -> tuple[dict[str, CornerStream], MappedRecording]:
+        path = _of_camera(mapped, name).trajectory
+        still = {name: unrolled_stream(rolled, path, mapped.marker_map, shutter_s)}
+        return still, remap(still)
+
+    if recording.readout_s:
+        streams, mapped = unrolled(recording.shutter_s)
+    if recording.markers is None:
+        return streams, mapped, (), np.zeros((0, 0))
+    found, off_s, unsure_s2 = audited_markers(recording, streams[name], mapped, noise_px)
+    if off_s.any():
+        streams, mapped = unrolled(recording.shutter_s + off_s)
+    return streams, mapped, found, unsure_s2
 
 
 def _instead(recording: Recording) -> str:

@@ -9,14 +9,25 @@ import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.recording import Recording
-from motorcade.replays.stages.camera.board_audit import audited_board
+from motorcade.replays.stages.camera.board_audit import audited_board, audited_markers
 from motorcade.replays.stages.camera.board_poses import warn_of_size
-from motorcade.tracking import BoardTrack, Camera, CharucoBoard, Checkerboard, PoseMeasurements
+from motorcade.tracking import (
+    BoardTrack,
+    Camera,
+    CharucoBoard,
+    Checkerboard,
+    MarkerMap,
+    PoseMeasurements,
+    map_markers,
+)
 from motorcade.tracking.audit import AuditFinding
+from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.measurements import MarkerObservation
+from motorcade.tracking.rolling import unrolled_stream
 from motorcade.tracking.targets.chessboards import checkerboard_seen
 from motorcade.tracking.targets.stated import compare_layout
 from tests.replays.stages.stamps import Stamps
+from tests.tracking.board_tracking.test_rolling import CAMERA, TIME_NS, filmed, path
 
 PRINTED = Checkerboard(9, 6, 0.03)
 WARP = np.array([[0.9, 0.15, 40.0], [-0.1, 0.85, 60.0], [2e-4, 3e-4, 1.0]])
@@ -115,3 +126,22 @@ def test_a_camera_is_consistent_only_where_views_could_deny_it(
 ) -> None:
     finding = camera_on_board(tilt_rad, bent_px)
     assert finding.verdict == verdict, finding.summary
+
+
+@pytest.mark.parametrize(("stated_s", "verdict"), [(0.02, "consistent"), (0.0, "contradicted")])
+def test_loose_markers_deny_a_read_out_that_nobody_states(stated_s: float, verdict: str) -> None:
+    turns = Rotor.from_rotation_vector([[0.0, 0.0, 0.3], [0.2, 0.0, 0.0], [0.0, 0.1, 0.0]])
+    places = [[0.0, 0.05, 0.0], [0.12, 0.0, 0.02], [0.05, -0.08, 0.0]]
+    room, shutter_s = MarkerMap([4, 7, 9], [0.05] * 3, turns, places), np.array([0.0, 0.02])
+    px = np.array(filmed(room.points_m, (0.0, 0.02))).reshape(-1, 4, 2)
+    frame, ids = np.repeat(np.arange(len(TIME_NS)), 3), np.tile([4, 7, 9], len(TIME_NS))
+    stream = CornerStream(CAMERA, TIME_NS, frame, ids, px)
+    if stated_s:
+        stream = unrolled_stream(stream, Trajectory(TIME_NS, path(1e-9 * TIME_NS)), room, shutter_s)
+    mapped = map_markers({"camera": stream}, room.sides)
+    frames = Stamps(TIME_NS)
+    recording = Recording("drawn", Path(), "images", frames, CAMERA, readout_s=stated_s)  # type: ignore[arg-type]
+    (finding,), off_s, unsure_s2 = audited_markers(recording, stream, mapped, 0.1)
+    assert finding.verdict == verdict, finding.summary
+    np.testing.assert_allclose(off_s, shutter_s - [0.0, stated_s], atol=1e-3)
+    assert np.sqrt(unsure_s2[1, 1]) < 0.002

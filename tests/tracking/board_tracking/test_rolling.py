@@ -4,12 +4,25 @@ import numpy as np
 import pytest
 
 from motorcade.ga import Motor, Rotor, Trajectory
-from motorcade.tracking import BoardTrack, Camera, Checkerboard, MarkerMap, PoseMeasurements
+from motorcade.tracking import (
+    Board,
+    BoardTrack,
+    Camera,
+    Checkerboard,
+    MarkerMap,
+    PoseMeasurements,
+    SingleMarker,
+)
 from motorcade.tracking.boards import BoardCorners
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.measurements import MarkerObservation
 from motorcade.tracking.pose import refine
-from motorcade.tracking.rolling import unrolled_stream, unrolled_track, with_unsure_shutter
+from motorcade.tracking.rolling import (
+    unrolled_stream,
+    unrolled_track,
+    with_unsure_readout,
+    with_unsure_shutter,
+)
 from tests.end_to_end.phones.sensor import PhoneCamera
 
 BOARD = Checkerboard(8, 5, 0.03)
@@ -41,12 +54,12 @@ def filmed(points_m: np.ndarray, shutter_s: tuple[float, float]) -> list[np.ndar
     return [phone.project(path, time, points_m) for time in 1e-9 * TIME_NS]
 
 
-def tracked(corners_px: list[np.ndarray]) -> BoardTrack:
+def tracked(corners_px: list[np.ndarray], board: Board = BOARD) -> BoardTrack:
     """A track as it comes of a tracker that knows no rolling shutter."""
-    ids, seen, found = np.arange(len(BOARD.points_m)), [], []
+    ids, seen, found = np.arange(len(board.points_m)), [], []
     for time_ns, px in zip(TIME_NS, corners_px, strict=True):
         near = path(np.array(1e-9 * time_ns))
-        found.append(refine(BoardCorners(ids, px, BOARD.points_m), CAMERA, near))
+        found.append(refine(BoardCorners(ids, px, board.points_m), CAMERA, near))
         seen.append(MarkerObservation(time_ns, ids, px, Motor.stack([near, near]), np.zeros(2)))
     poses = Trajectory(TIME_NS, Motor.stack([one.world_T_camera for one in found]))
     covariance = np.stack([one.covariance for one in found])
@@ -98,6 +111,18 @@ def test_poses_are_no_surer_than_the_read_out_is(shutter_s: tuple[float, float])
     assert np.median(sigmas[0]) > 20.0
     assert np.median(sigmas[1]) < 3.0
     assert sigmas[1].max() < 10.0  # which how the hand trembles adds: nobody knows how fast
+
+
+def test_a_map_of_one_marker_is_as_unsure_as_that_marker_as_a_board() -> None:
+    board, unsure_s2 = SingleMarker("tag36h11", 4, 0.05), np.diag([1e-6, 4e-4])
+    track = tracked(filmed(board.points_m, (0.0, 0.02)), board)
+    px = np.array([one.corners_px for one in track.observations])
+    rows = np.arange(len(px))
+    stream = CornerStream(CAMERA, TIME_NS, rows, np.full(len(px), 4), px)
+    known = MarkerMap([4], [0.05], Motor.identity((1,)).rotor, [[0.0, 0.0, 0.0]])
+    unsure = with_unsure_readout(track.measurements, stream, known, unsure_s2)
+    expected = with_unsure_shutter(track, board, CAMERA, unsure_s2).measurements
+    np.testing.assert_allclose(unsure.covariance, expected.covariance, rtol=1e-9, atol=1e-15)
 
 
 def test_markers_corners_are_those_at_the_stamps_and_unknown_ones_stay() -> None:

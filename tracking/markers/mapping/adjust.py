@@ -77,7 +77,7 @@ _STOP = Stop(steps=60, gain=1e-6, most_damping=1e8, what="adjusting the markers"
 _ROUNDS = 2
 _MOST_LASTING = 0.95
 # What an observation with a corner behind the camera counts.
-NO_IMAGE_PX = 1000.0
+_NO_IMAGE_PX = 1000.0
 # A frame whose corners leave a direction free is known there to a radian or ten metres.
 _VAGUE = np.diag(1.0 / np.repeat([1.0, 10.0], 3) ** 2)
 
@@ -100,7 +100,7 @@ class AdjustedRig:
     world_T_marker: Motor
     error_px: FloatArray
     sigma_px: float
-    most_px: float = NO_IMAGE_PX
+    most_px: float = np.inf
 
 
 def adjust(
@@ -109,7 +109,7 @@ def adjust(
     world_T_marker: Motor,
     held: NDArray[np.bool_],
     floor_px: float = SIGMA_FLOOR_PX,
-    most_px: float = NO_IMAGE_PX,
+    most_px: float = np.inf,
 ) -> AdjustedRig:
     """Refine all poses of frames and markers that the observations name; others stay as they are.
 
@@ -193,9 +193,9 @@ class _Reprojection:
         poses = state.world_T_rig[seen.frame], state.world_T_marker[seen.marker]
         residuals = residuals_px(seen, *poses)
         squares: FloatArray = np.sum(residuals**2, axis=(-1, -2))
-        self.squares = np.where(np.isfinite(squares), squares, NO_IMAGE_PX**2)
+        self.squares = np.where(np.isfinite(squares), squares, _NO_IMAGE_PX**2)
         limit_px = _HUBER * state.sigma_px
-        most_px = max(2.0 * state.most_px, limit_px)
+        most_px = max(min(2.0 * state.most_px, _NO_IMAGE_PX), limit_px)
         loss, self._weight = huber_cauchy(np.sqrt(self.squares), limit_px, most_px)
         self.cost = float(np.sum(loss))
 

@@ -28,7 +28,6 @@ from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.mapping.adjust import (
-    NO_IMAGE_PX,
     AdjustedRig,
     adjust,
     pose_covariance,
@@ -171,7 +170,7 @@ def map_markers(
     over_time: bool = True,
     posed: Mapping[str, MarkerObservations] | None = None,
     floor_px: float = SIGMA_FLOOR_PX,
-    most_px: float = NO_IMAGE_PX,
+    most_px: float = np.inf,
 ) -> MappedRecording:
     """Estimate where markers stand and where the rig was, from corners alone.
 
@@ -239,7 +238,7 @@ def track_rig(
     *,
     sync_s: float = _SYNC_S,
     floor_px: float = SIGMA_FLOOR_PX,
-    most_px: float = NO_IMAGE_PX,
+    most_px: float = np.inf,
 ) -> MappedRecording:
     """Where a rig was, by a map that stands; markers that are not in it are passed over.
 
