@@ -89,11 +89,7 @@ class Preintegrated:
         return corrected(self.motion, np.einsum("...ij,...j->...i", self.bias_jacobian, change))
 
     def propagate(
-        self,
-        world_T_imu: Motor,
-        velocity_m_s: FloatArray,
-        gravity_m_s2: ArrayLike,
-        motion: Motor | None = None,
+        self, world_T_imu: Motor, velocity_m_s: FloatArray, gravity_m_s2: ArrayLike
     ) -> tuple[Motor, FloatArray]:
         """Poses ``(*)`` and velocities ``(*, 3)`` at the ends, from those at the starts.
 
@@ -101,17 +97,15 @@ class Preintegrated:
             world_T_imu: Motor ``(*)`` at the starts.
             velocity_m_s: ``(*, 3)`` there, in the world.
             gravity_m_s2: ``(3,)`` in the world; (0, 0, -9.81) where z is up.
-            motion: what to go by instead of `motion`: the result of `with_biases`.
         """
-        own = self.motion if motion is None else motion
         fall = np.asarray(gravity_m_s2, dtype=np.float64)
         dt = self.duration_s[..., None]
         rotor = world_T_imu.rotor
-        gained = own.translation_m
+        gained = self.motion.translation_m
         position = world_T_imu.translation_m + velocity_m_s * dt + 0.5 * fall * dt**2
         position = position + rotor.apply(gained[..., 0, :])
         velocity = velocity_m_s + fall * dt + rotor.apply(gained[..., 1, :])
-        return Motor.from_rotor_translation(rotor @ own[..., 0].rotor, position), velocity
+        return Motor.from_rotor_translation(rotor @ self.motion[..., 0].rotor, position), velocity
 
 
 def preintegrate(

@@ -220,14 +220,13 @@ def _own_axes(
     alone = of_rates is None and of_forces is not None and _turned(of_forces)
     if alone and of_forces is not None and rates.allows(of_forces.turn):
         return say.shared_axes(of_forces)
-    mirrored = (
+    if (
         of_rates is not None
         and of_forces is not None
         and np.array_equal(of_rates.permutation, -of_forces.permutation)
         and np.linalg.det(of_forces.permutation) < 0.0
         and not _same(of_rates.permutation)
-    )
-    if mirrored and of_rates is not None and of_forces is not None:
+    ):
         return [say.mirrored_axes(of_rates, of_forces)]
     if of_forces is not None and _turned(of_forces) and of_forces.turn_rad < _FORCE_TURN_RAD:
         of_forces = None

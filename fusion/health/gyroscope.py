@@ -473,5 +473,4 @@ class RunningIntegral:
     def _steps(self, rows: IntArray) -> FloatArray:
         """What is added from samples to the next ones ``(m, 3)``."""
         seconds = (self._time_ns[rows + 1] - self._time_ns[rows]) * 1e-9
-        steps: FloatArray = 0.5 * (self._values[rows] + self._values[rows + 1]) * seconds[:, None]
-        return steps
+        return 0.5 * (self._values[rows] + self._values[rows + 1]) * seconds[:, None]

@@ -129,8 +129,7 @@ def _turns_between(camera: Trajectory, imu_T_camera: Motor, span_ns: IntArray) -
     earlier, later = _pairs(camera, span_ns)
     rotors = camera.motors.rotor
     turns = (rotors[earlier].inverse() @ rotors[later]).as_rotation_vector()
-    vectors: FloatArray = imu_T_camera.rotor.apply(turns)
-    return vectors
+    return imu_T_camera.rotor.apply(turns)
 
 
 def _changes_of_up(camera: Trajectory, imu_T_camera: Motor, span_ns: IntArray) -> FloatArray:
@@ -138,5 +137,4 @@ def _changes_of_up(camera: Trajectory, imu_T_camera: Motor, span_ns: IntArray) -
     earlier, later = _pairs(camera, span_ns)
     rotors = camera.motors.rotor.inverse()
     up = imu_T_camera.rotor.apply(rotors.apply(np.array([0.0, 0.0, 1.0])))
-    changes: FloatArray = up[later] - up[earlier]
-    return changes
+    return up[later] - up[earlier]

@@ -8,7 +8,7 @@ to, seen from the sensor.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -74,30 +74,25 @@ class ContinuousPath:
                 more than 2,000 knots and 20 more a pose in a segment.
         """
         parts = [trajectory[part] for part in segments(trajectory.time_ns)]
-        splines = [
-            CumulativeBSpline.fit(part, knot_spacing_s)
-            for part in parts
-            if len(part) > 1 or len(parts) == 1
-        ]
+        whole = parts if len(parts) == 1 else [part for part in parts if len(part) > 1]
+        splines = [CumulativeBSpline.fit(part, knot_spacing_s) for part in whole]
         first, last = splines[0], splines[-1]
+        starts_s = [(spline.start_ns - first.start_ns) * 1e-9 for spline in splines]
         spans = tuple(
             (start, start + spline.duration_s)
-            for spline in splines
-            for start in [(spline.start_ns - first.start_ns) * 1e-9]
+            for start, spline in zip(starts_s, splines, strict=True)
         )
         twists = first.twists if first is last else _Segments(tuple(splines), spans).twists
         return cls(first.start_ns, spans[-1][1], twists, trajectory.parent, trajectory.child, spans)
 
     @classmethod
-    def along(
-        cls, motion: Motion[Motor], duration_s: float, start_ns: int = 0, child: str = "imu"
-    ) -> ContinuousPath:
+    def along(cls, motion: Motion[Motor], duration_s: float, start_ns: int = 0) -> ContinuousPath:
         """An analytic motion, from its time 0 on, without any fit.
 
         Raises:
             ValueError: a duration that is not above 0.
         """
-        return cls(start_ns, duration_s, motion.at, "world", child)
+        return cls(start_ns, duration_s, motion.at)
 
     def seen_from(self, imu_T_child: Motor, child: str = "imu") -> ContinuousPath:
         """The path of a frame bolted to this one: another place (the lever arm), other axes.
@@ -122,9 +117,7 @@ class ContinuousPath:
                 imu_T_child.transform_twist(sample.body_twist_rate),
             )
 
-        return ContinuousPath(
-            self.start_ns, self.duration_s, twists, self.parent, child, self.segments_s
-        )
+        return replace(self, twists=twists, child=child)
 
 
 @dataclass(frozen=True, eq=False)

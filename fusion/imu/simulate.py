@@ -377,15 +377,13 @@ class SimulatedSensor:
             return true_ns
         drawn = self._faults.stamp_jitter_s * 1e9 * self._jitter.standard_normal(len(true_ns))
         cut = _JITTER_CUT * self._step_ns
-        stamps: IntArray = true_ns + np.trunc(np.clip(drawn, -cut, cut)).astype(np.int64)
-        return stamps
+        return true_ns + np.trunc(np.clip(drawn, -cut, cut)).astype(np.int64)
 
 
 def specific_force_m_s2(motion: SplineSample, gravity_m_s2: float) -> FloatArray:
     """What a perfect accelerometer reads ``(*, 3)``: acceleration minus gravity, in its axes."""
     up = np.array([0.0, 0.0, gravity_m_s2])
-    force: FloatArray = motion.pose.rotor.inverse().apply(motion.world_acceleration_m_s2 + up)
-    return force
+    return motion.pose.rotor.inverse().apply(motion.world_acceleration_m_s2 + up)
 
 
 @dataclass(frozen=True, eq=False)

@@ -138,14 +138,9 @@ class Sines(Signal):
         rate = 2.0 * np.pi * np.array(self.frequencies_hz)
         angle = time_s[..., None] * rate + phase
         sine, cosine = np.sin(angle), np.cos(angle)
-        return np.stack(
-            [
-                sine @ amplitude,
-                cosine @ (amplitude * rate),
-                sine @ (-amplitude * rate**2),
-                cosine @ (-amplitude * rate**3),
-            ]
-        )
+        value, slope = sine @ amplitude, cosine @ (amplitude * rate)
+        second, third = sine @ (-amplitude * rate**2), cosine @ (-amplitude * rate**3)
+        return np.stack([value, slope, second, third])
 
 
 @dataclass(frozen=True)

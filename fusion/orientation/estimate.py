@@ -277,22 +277,12 @@ def estimate_orientation(
     """
     model = OrientationModel() if model is None else model
     fields = None if magnetic_field is None else _checked_field(magnetic_field, len(imu))
+    rate, force = map(np.ascontiguousarray, (imu.angular_rate_rad_s, imu.specific_force_m_s2))
     rotors, biases = np.empty((len(imu), 4)), np.empty((len(imu), 3))
     deviations, disturbances = np.empty((len(imu), 2)), np.empty(len(imu))
     rest = np.empty(len(imu), dtype=np.bool_)
-    lag_s = _orientation.run(
-        model.settings(),
-        np.ascontiguousarray(imu.angular_rate_rad_s),
-        np.ascontiguousarray(imu.specific_force_m_s2),
-        fields,
-        imu.time_ns,
-        smooth,
-        rotors,
-        biases,
-        deviations,
-        disturbances,
-        rest,
-    )
+    results = rotors, biases, deviations, disturbances, rest
+    lag_s = _orientation.run(model.settings(), rate, force, fields, imu.time_ns, smooth, *results)
     tilt, heading = np.ascontiguousarray(deviations.T)
     return Orientation(
         time_ns=imu.time_ns,

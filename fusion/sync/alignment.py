@@ -250,19 +250,10 @@ def _first(
     camera: Trajectory, start: Shared, sigma: tuple[float, float], noise: ImuNoise
 ) -> Aligned:
     """States at the measured poses, at rest."""
-    count = len(camera)
+    count, covariance = len(camera), np.zeros((11, 11))
     poses = _in_metres(camera, start.scale) @ start.imu_T_camera.inverse()
-    return Aligned(
-        start,
-        np.zeros((11, 11)),
-        camera.time_ns,
-        poses,
-        np.zeros((count, 3)),
-        np.zeros((count, 6)),
-        sigma,
-        np.ones(count),
-        noise,
-    )
+    rest = np.zeros((count, 3)), np.zeros((count, 6))
+    return Aligned(start, covariance, camera.time_ns, poses, *rest, sigma, np.ones(count), noise)
 
 
 def _in_metres(camera: Trajectory, scale: float) -> Motor:

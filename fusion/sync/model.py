@@ -157,19 +157,16 @@ def _listed(column: Any) -> list[Any]:
 
 def _retract(motor: Any, twist: Any) -> Multivector:
     """``M (1 - ½ twist)``."""
-    moved: Multivector = on.MOTOR.of(_listed(motor)) * (1 + on.BIVECTOR.of(_listed(-0.5 * twist)))
-    return moved
+    return on.MOTOR.of(_listed(motor)) * (1 + on.BIVECTOR.of(_listed(-0.5 * twist)))
 
 
 def _translator(shift: Any) -> Multivector:
-    motor: Multivector = 1 + on.MOVED.of(_listed(-0.5 * shift))
-    return motor
+    return 1 + on.MOVED.of(_listed(-0.5 * shift))
 
 
 def _rotated(pose: Multivector, velocity: Any) -> Multivector:
     """The motor of a pose's rotor, with the velocity in place of the position."""
-    motor: Multivector = _translator(velocity) * on.ROTOR.of(on.MOTOR.numbers(pose)[:4])
-    return motor
+    return _translator(velocity) * on.ROTOR.of(on.MOTOR.numbers(pose)[:4])
 
 
 def _difference(measured: Multivector, expected: Multivector) -> Any:

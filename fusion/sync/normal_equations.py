@@ -149,8 +149,7 @@ class Bordered:
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
-    product: FloatArray = _transposed(a) @ b
-    return product
+    return _transposed(a) @ b
 
 
 def _transposed(a: FloatArray) -> FloatArray:

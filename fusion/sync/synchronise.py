@@ -309,17 +309,14 @@ def covered(
     ]
     most = int(np.argmax([np.count_nonzero(mask) for mask in masks]))
     inside = masks[most]
+    count = np.count_nonzero(inside)
     if len(parts) > 1:
-        log.warning(
-            "gaps split the imu into %d segments: the longest is used, %d of %d poses",
-            len(parts),
-            np.count_nonzero(inside),
-            len(camera),
-        )
-    if np.count_nonzero(inside) < 3:
+        text = "gaps split the imu into %d segments: the longest is used, %d of %d poses"
+        log.warning(text, len(parts), count, len(camera))
+    if count < 3:
         raise ValueError(
             "camera and imu: expected three poses or more that the IMU covers, got "
-            f"{np.count_nonzero(inside)} at an offset of {offset_s:.3f} s"
+            f"{count} at an offset of {offset_s:.3f} s"
         )
     return camera[inside], parts[most]
 
@@ -335,8 +332,7 @@ def plausible(camera: Trajectory, imu: ImuStream, match: RateMatch) -> NDArray[n
     """Which poses ``(N,)``, covered by the IMU, agree with neighbours or have none nearby."""
     turned = np.linalg.norm(_turn_errors(camera, imu, match), axis=-1)
     shifted = np.linalg.norm(_place_errors(camera), axis=-1)
-    mask: NDArray[np.bool_] = ~(_outliers(turned, _LEAST_RAD) | _outliers(shifted, _LEAST_M))
-    return mask
+    return ~(_outliers(turned, _LEAST_RAD) | _outliers(shifted, _LEAST_M))
 
 
 def _outliers(error: FloatArray, least: float) -> NDArray[np.bool_]:
@@ -345,8 +341,7 @@ def _outliers(error: FloatArray, least: float) -> NDArray[np.bool_]:
     if known.size == 0:
         return np.zeros(len(error), dtype=np.bool_)
     scale = max(float(np.median(known)) / _MEDIAN_NORM, least)
-    beyond: NDArray[np.bool_] = error > _OUTLIER_THRESHOLD * scale
-    return beyond
+    return error > _OUTLIER_THRESHOLD * scale
 
 
 def _neighbours(count: int, step: int) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:

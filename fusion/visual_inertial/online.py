@@ -202,15 +202,8 @@ class InertialSlam:
         if self._start is None or slam.trajectory is None:
             return InertialSlamResult(slam, None, None, None, None, states)
         measured = measured_in_map(slam.trajectory, slam.covariance, slam.map.time_ns)
-        fused = fuse(
-            measured,
-            self._samples.all(),
-            self._noise,
-            self._imu_T_camera,
-            slam.time_ns,
-            settings=self._settings,
-            fits_noise=False,
-        )
+        sensor = self._samples.all(), self._noise, self._imu_T_camera
+        fused = fuse(measured, *sensor, slam.time_ns, settings=self._settings, fits_noise=False)
         return InertialSlamResult(slam, self._start, self._metric_from_ns, measured, fused, states)
 
     # Frames --------------------------------------------------------------------------------------
@@ -245,13 +238,9 @@ class InertialSlam:
             return None
         imu = self._samples.between(self._fed_ns, time_ns)
         rows = slice(*np.searchsorted(imu.time_ns, [self._fed_ns, time_ns], side="right"))
-        for stamp, gyro, accel in zip(
-            imu.time_ns[rows].tolist(),
-            imu.angular_rate_rad_s[rows],
-            imu.specific_force_m_s2[rows],
-            strict=True,
-        ):
-            self._filter.imu(stamp, gyro, accel)
+        gyro, accel = imu.angular_rate_rad_s[rows], imu.specific_force_m_s2[rows]
+        for row, stamp in enumerate(imu.time_ns[rows].tolist()):
+            self._filter.imu(stamp, gyro[row], accel[row])
             self._fed_ns = stamp
         if self._fed_ns < time_ns:
             now = imu.at(np.array([time_ns - 1, time_ns]))
@@ -311,19 +300,13 @@ class InertialSlam:
             )
         except ValueError:
             return  # too little motion so far: the frame's state stays "visual", which says so
-        if (
-            start.log_scale_sigma > _MOST_LOG_SCALE_SIGMA
-            or start.tilt_sigma_rad > _MOST_TILT_SIGMA_RAD
-        ):
+        sigmas = np.array([start.log_scale_sigma, start.tilt_sigma_rad])
+        if np.any(sigmas > (_MOST_LOG_SCALE_SIGMA, _MOST_TILT_SIGMA_RAD)):
             return
         self._start, self._metric_from_ns = start, time_ns
         biases = np.concatenate([start.gyro_bias_rad_s, start.accel_bias_m_s2], axis=-1)
-        self._adjuster.motions = {
-            stamp: KeyframeMotion(velocity, bias)
-            for stamp, velocity, bias in zip(
-                start.time_ns.tolist(), start.velocity_m_s, biases, strict=True
-            )
-        }
+        motions = map(KeyframeMotion, start.velocity_m_s, biases)
+        self._adjuster.motions = dict(zip(start.time_ns.tolist(), motions, strict=True))
         self._slam.rescale(start.world_T_visual, self._adjuster)
         self._slam.adjust_at_next_keyframe()
         self._adjusted_s = (time_ns - self._mapped_ns) * 1e-9

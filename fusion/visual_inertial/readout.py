@@ -119,5 +119,4 @@ def camera_twist_rate(
     """How a camera moves ``(k, 6)``, from velocity in the world and rate of the IMU it sits on."""
     forward = world_T_imu.rotor.inverse().apply(velocity_m_s)
     twist = np.concatenate([rate_rad_s, forward], axis=-1)
-    rate: FloatArray = twist @ camera_T_imu.adjoint().T
-    return rate
+    return twist @ camera_T_imu.adjoint().T

@@ -123,19 +123,13 @@ def metric_map(
     before = start.in_metres(own)
     seen = inside[snapshot.keyframe_of]
     rows = np.cumsum(inside) - 1
+    px = as_recorded(camera, snapshot.px[seen])
+    observations = LandmarkObservations(
+        rows[snapshot.keyframe_of[seen]], snapshot.point_of[seen], px
+    )
+    points, sensor = start.world_T_visual.apply(snapshot.points), (imu, noise, imu_T_camera)
     keyframes = adjust_visual_inertial(
-        before,
-        start.world_T_visual.apply(snapshot.points),
-        LandmarkObservations(
-            rows[snapshot.keyframe_of[seen]],
-            snapshot.point_of[seen],
-            as_recorded(camera, snapshot.px[seen]),
-        ),
-        camera,
-        imu,
-        noise,
-        imu_T_camera,
-        readout_s=readout_s,
+        before, points, observations, camera, *sensor, readout_s=readout_s
     )
     scale = float(start.world_T_visual.scale) * _spread(keyframes.trajectory) / _spread(before)
     measured = _in_metres(path, result.covariance, own, keyframes.trajectory.motors, scale)

@@ -178,14 +178,9 @@ def _at_stamp(
     twist = camera_twist_rate(
         keyframes.motors @ camera_T_imu, adjusted.velocity_m_s, rate, camera_T_imu
     )
-    moved = rows_moved_px(
-        camera,
-        rows_later_s(camera, observations.px, readout_s),
-        keyframes.motors,
-        twist,
-        observations.keyframe,
-        adjusted.landmarks_m[observations.landmark],
-    )
+    later_s = rows_later_s(camera, observations.px, readout_s)
+    seen = observations.keyframe, adjusted.landmarks_m[observations.landmark]
+    moved = rows_moved_px(camera, later_s, keyframes.motors, twist, *seen)
     return replace(observations, px=observations.px - moved)
 
 

@@ -273,14 +273,8 @@ class _Evaluated:
             return bundle
         rate = problem.rate_rad_s - state.bias[:, :3]
         twist = camera_twist_rate(self._world_T_imu, state.velocity_m_s, rate, problem.camera_T_imu)
-        moved = rows_moved_px(
-            bundle.camera,
-            problem.later_s,
-            state.world_T_camera,
-            twist,
-            bundle.pose_of,
-            state.points[bundle.point_of],
-        )
+        seen = bundle.pose_of, state.points[bundle.point_of]
+        moved = rows_moved_px(bundle.camera, problem.later_s, state.world_T_camera, twist, *seen)
         return replace(bundle, px=bundle.px - moved)
 
     def _motion_residual(self) -> FloatArray:

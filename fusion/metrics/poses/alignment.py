@@ -401,8 +401,7 @@ def cropped(
 def stamps_s(trajectory: Trajectory) -> FloatArray:
     """Float seconds, rounded once: the doubles that a file's decimal stamps are read as."""
     whole, rest = np.divmod(trajectory.time_ns, _NS_PER_S)
-    seconds: FloatArray = whole + rest / _NS_PER_S
-    return seconds
+    return whole + rest / _NS_PER_S
 
 
 def _interpolated(path: Trajectory, path_s: FloatArray, time_s: FloatArray) -> Motor:

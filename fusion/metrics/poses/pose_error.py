@@ -25,8 +25,7 @@ def log_scales(poses: Motor | Similarity) -> FloatArray:
     """
     if isinstance(poses, Motor):
         return np.zeros(poses.shape)
-    logarithms: FloatArray = np.log(poses.scale)
-    return logarithms
+    return np.log(poses.scale)
 
 
 @dataclass(frozen=True)

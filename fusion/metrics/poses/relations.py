@@ -146,8 +146,7 @@ def _of_distances(true_m: FloatArray, ours_m: FloatArray, relation: Relation) ->
     if relation == "point_distance":
         return error
     moving = true_m > 0.0
-    share: FloatArray = 100.0 * error[moving] / true_m[moving]
-    return share
+    return 100.0 * error[moving] / true_m[moving]
 
 
 def _measured(error: Motor, relation: Relation) -> FloatArray:
@@ -417,17 +416,11 @@ def drift_by_length(
         whole = ends < along.size
         if not np.any(whole):
             continue
-        metres, radians = errors_between(
+        errors = errors_between(
             estimate, reference, starts[whole], ends[whole], ("trans_part", "angle_rad")
         )
-        drifts.append(
-            Drift(
-                float(length_m),
-                float(np.mean(metres)) / length_m,
-                float(np.mean(radians)) / length_m,
-                int(np.count_nonzero(whole)),
-            )
-        )
+        metre, radian = (float(np.mean(error)) / length_m for error in errors)
+        drifts.append(Drift(float(length_m), metre, radian, int(np.count_nonzero(whole))))
     if not drifts:
         raise NotObservableError(
             f"drift: expected a path longer than one of {tuple(lengths_m)} m, got {along[-1]:.6g} m"

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "model.h"
@@ -32,9 +31,7 @@ public:
         transpose_transition(adjoint_, node);
         for (int side = 0; side < 2; ++side) {
             for (State &row : information_) transpose_transition(row, node);
-            for (std::size_t i = 0; i < ERRORS; ++i)
-                for (std::size_t j = 0; j < i; ++j)
-                    std::swap(information_[i][j], information_[j][i]);
+            transpose(information_);
         }
         return found;
     }

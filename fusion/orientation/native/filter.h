@@ -53,7 +53,6 @@ public:
             covariance_[MATRIX + i][MATRIX + i] = square(set_.gyro_matrix);
     }
 
-    const Settings &settings() const { return set_; }
     const Four &rotor() const { return rotor_; }
     const Three &bias() const { return bias_; }
     const Field &field() const { return field_; }
@@ -237,34 +236,12 @@ private:
         magnetic_s_ += dt;
     }
 
-    // Covariance over the interval: velocity by the tilt before it, then the turn by bias and
-    // matrix.
+    // Covariance over the interval: each row by the transition, and then each column.
     void predict() {
         Square &p = covariance_;
-        const double lean = set_.gravity * before_;
-        for (std::size_t j = 0; j < ERRORS; ++j) {
-            p[VELOCITY][j] = gap_ ? 0.0 : p[VELOCITY][j] + lean * p[1][j];
-            p[VELOCITY + 1][j] = gap_ ? 0.0 : p[VELOCITY + 1][j] - lean * p[0][j];
-        }
-        for (State &row : p) {
-            row[VELOCITY] = gap_ ? 0.0 : row[VELOCITY] + lean * row[1];
-            row[VELOCITY + 1] = gap_ ? 0.0 : row[VELOCITY + 1] - lean * row[0];
-        }
-        for (std::size_t j = 0; j < ERRORS; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                double turn = 0.0;
-                for (std::size_t k = 0; k < 3; ++k) turn += turned_[i][k] * p[BIAS + k][j];
-                for (std::size_t k = 0; k < 9; ++k) turn += wound_[i][k] * p[MATRIX + k][j];
-                p[i][j] -= turn;
-            }
-        }
-        for (State &row : p) {
-            for (std::size_t i = 0; i < 3; ++i) {
-                double turn = 0.0;
-                for (std::size_t k = 0; k < 3; ++k) turn += turned_[i][k] * row[BIAS + k];
-                for (std::size_t k = 0; k < 9; ++k) turn += wound_[i][k] * row[MATRIX + k];
-                row[i] -= turn;
-            }
+        for (int side = 0; side < 2; ++side) {
+            for (State &row : p) propagate(row);
+            transpose(p);
         }
         const double turn =
             square(set_.gyro_density) * elapsed_ + square(set_.gyro_wander) * wandered_ + lost_;
@@ -275,6 +252,19 @@ private:
         const double velocity = gap_ ? speed_.variance() : square(set_.accel_density) * elapsed_;
         for (std::size_t i = 0; i < 2; ++i) p[VELOCITY + i][VELOCITY + i] += velocity;
         if (gap_) velocity_ = {};
+    }
+
+    // The transition of an error: velocity by the tilt before it, then the turn by bias and matrix.
+    void propagate(State &error) const {
+        const double lean = set_.gravity * before_;
+        error[VELOCITY] = gap_ ? 0.0 : error[VELOCITY] + lean * error[TURN + 1];
+        error[VELOCITY + 1] = gap_ ? 0.0 : error[VELOCITY + 1] - lean * error[TURN];
+        for (std::size_t i = 0; i < 3; ++i) {
+            double turn = 0.0;
+            for (std::size_t k = 0; k < 3; ++k) turn += turned_[i][k] * error[BIAS + k];
+            for (std::size_t k = 0; k < 9; ++k) turn += wound_[i][k] * error[MATRIX + k];
+            error[TURN + i] -= turn;
+        }
     }
 
     void measure_motion(State &added, Node *node) {
@@ -349,9 +339,7 @@ private:
     // Moves the estimate by the errors found, and velocity on by what the accelerometer then says.
     void apply(const State &added) {
         rotor_ = versors::renormalize(versors::compose(turn_of(added), rotor_));
-        for (std::size_t i = 0; i < 3; ++i) {
-            bias_[i] += added[BIAS + i];
-        }
+        for (std::size_t i = 0; i < 3; ++i) bias_[i] += added[BIAS + i];
         for (std::size_t i = 0; i < 9; ++i) matrix_[i] += added[MATRIX + i];
         const double lean = set_.gravity * elapsed_;
         velocity_[0] += added[VELOCITY] + impulse_[0] + lean * added[1];

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "vectors.h"
 
@@ -55,6 +56,11 @@ struct Node {
     std::array<double, ERRORS *(ERRORS + 1) / 2>
         covariance{};  // lower triangle, after the correction
 };
+
+inline void transpose(Square &matrix) {
+    for (std::size_t i = 0; i < ERRORS; ++i)
+        for (std::size_t j = 0; j < i; ++j) std::swap(matrix[i][j], matrix[j][i]);
+}
 
 // H of a measurement, by its kind.
 inline State slope(const Measured &of, double lasted, const Settings &set) {
