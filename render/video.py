@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
@@ -300,10 +300,12 @@ def encode(
     ticks: IntArray,
     clock: Fraction,
     original: tuple[OriginalVideo, InputContainer, int] | None = None,
+    codec: Mapping[str, str] | None = None,
 ) -> None:
     """Encode and mux into a file that nobody reads yet.
 
-    `original` is the video that the images come from, open, and the stamp in it of the first.
+    `original` is the video that the images come from, open, and the stamp in it of the first;
+    `codec` are settings other than the usual, with as many threads as there are processors.
     """
     import av
     from av.video.reformatter import VideoReformatter
@@ -318,6 +320,8 @@ def encode(
             "ffv1" if lossless else "libx264", rate=_usual_rate(ticks, clock)
         )
         set_up_codec(stream, lossless, clock, coding)
+        if codec is not None:
+            stream.options, stream.codec_context.thread_count = {**stream.options, **codec}, 0
         sound = None if original is None else CopiedSound(original[1], file, original[2])
         form = VideoReformatter()
 

@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from motorcade.ga.arrays import IntArray
-from motorcade.ga.lookahead import ahead
 from motorcade.ga.unfinished import unfinished
 from motorcade.render.scene import ImageArray
+from motorcade.render.video import encode
 
 KEYFRAME_FRAMES, KEYFRAME_S = 12, 0.5
 QUALITY = 23
@@ -61,11 +60,15 @@ def write_film(
     """
     if path.suffix != ".mp4":
         raise ValueError(f"write_film(path): expected a name that ends in .mp4, got '{path.name}'")
+    rate = _rate(time_ns)
+    ticks = np.array([round(number / rate * _TICKS) for number in range(len(time_ns))])
+    apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
+    # No frames that wait for later ones, as seeking through those takes twice as long.
+    text = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
+    codec = {"crf": str(QUALITY), "x264-params": text}
     with unfinished(path.parent) as place:
         part = place / "film.mp4"
-        count = _encode(part, _sized(images, size), _rate(time_ns))
-        if count != len(time_ns):
-            raise ValueError(f"write_film: expected {len(time_ns)} images, got {count}")
+        encode(part, _sized(images, size), ticks, Fraction(1, _TICKS), codec=codec)
         part.replace(path)
 
 
@@ -73,40 +76,7 @@ def _sized(images: Iterable[ImageArray], size: tuple[int, int] | None) -> Iterat
     import cv2
 
     for image in images:
-        if size is None or size == image.shape[1::-1]:
-            yield image
-        else:
-            yield np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), np.uint8)
-
-
-def _encode(path: Path, images: Iterable[ImageArray], rate: Fraction) -> int:
-    """Encode and mux; returns how many images came."""
-    import av
-    from av.video.reformatter import VideoReformatter
-
-    from motorcade.render.video import ColourCoding, coded_frame, set_up_codec
-
-    apart = max(1, min(KEYFRAME_FRAMES, int(KEYFRAME_S * rate)))
-    coding, form, clock, count = ColourCoding(), VideoReformatter(), Fraction(1, _TICKS), 0
-    with av.open(str(path), "w", options={"movflags": "+faststart", "fflags": "+bitexact"}) as file:
-        stream: Any = file.add_stream("libx264", rate=rate)
-        set_up_codec(stream, False, clock, coding)
-        stream.codec_context.thread_count = 0  # as many as there are processors
-        # No frames that wait for later ones, as seeking through those takes twice as long.
-        text = f"keyint={apart}:min-keyint={apart}:scenecut=0:bframes=0:mbtree=0:subme=2"
-        stream.options = {**stream.options, "crf": str(QUALITY), "x264-params": text}
-
-        def packets(numbered: tuple[int, ImageArray]) -> Any:
-            number, image = numbered
-            rgb = image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
-            frame = coded_frame(rgb, False, form, coding)
-            if number == 0:
-                stream.height, stream.width = frame.height, frame.width
-            frame.pts, frame.time_base = round(number / rate * _TICKS), clock
-            return stream.encode(frame)
-
-        for some in ahead(packets, enumerate(images)):
-            file.mux(some)
-            count += 1
-        file.mux(stream.encode(None))
-    return count
+        rgb = image if image.ndim == 3 else np.repeat(image[..., None], 3, axis=2)
+        if size is not None and size != image.shape[1::-1]:
+            rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), np.uint8)
+        yield rgb

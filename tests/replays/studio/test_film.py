@@ -62,7 +62,7 @@ def test_images_are_made_smaller_whole(tmp_path: Path) -> None:
 
 def test_another_number_of_images_leaves_no_file(tmp_path: Path) -> None:
     path = tmp_path / "film.mp4"
-    with pytest.raises(ValueError, match="expected 5 images, got 3"):
+    with pytest.raises(ValueError, match="expected 5 frames, got 3"):
         write_film(path, images(3), stamps(5, 30.0))
     with pytest.raises(ValueError, match=r"ends in \.mp4"):
         write_film(tmp_path / "film.avi", images(3), stamps(3, 30.0))
