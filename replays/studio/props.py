@@ -281,6 +281,8 @@ def thinned(points_m: FloatArray, height_m: float) -> FloatArray:
     >>> thinned(line, 1.0).round(6).tolist()
     [[0.0, 0.0], [3.0, 0.0]]
     """
+    from skimage.measure import approximate_polygon
+
     kept = list(points_m[:1])
     for point in points_m[1:]:
         if np.linalg.norm(point - kept[-1]) >= STEP * height_m:
@@ -291,31 +293,8 @@ def thinned(points_m: FloatArray, height_m: float) -> FloatArray:
     if len(path) < 2 or np.ptp(path, axis=0).max() < SHORTEST * height_m:
         raise ValueError("Draw a longer way on the ground.")
     tolerance = BENT * height_m
-    path = path[_needed(path, tolerance)]
-    while len(path) > MOST_POINTS:
+    needed: FloatArray = approximate_polygon(path, tolerance)
+    while len(needed) > MOST_POINTS:
         tolerance *= 2.0
-        path = path[_needed(path, tolerance)]
-    kept_path: FloatArray = path
-    return kept_path
-
-
-def _needed(path: FloatArray, tolerance_m: float) -> FloatArray:
-    """Which points stay (Douglas and Peucker, 1973)."""
-    kept = np.zeros(len(path), dtype=bool)
-    kept[[0, -1]] = True
-    spans = [(0, len(path) - 1)]
-    while spans:
-        first, last = spans.pop()
-        if last - first < 2:
-            continue
-        along = path[last] - path[first]
-        inner = path[first + 1 : last] - path[first]
-        length = float(np.hypot(*along))
-        off = np.hypot(*inner.T)
-        if length > 0.0:
-            off = np.abs(inner[:, 0] * along[1] - inner[:, 1] * along[0]) / length
-        worst = int(np.argmax(off))
-        if off[worst] > tolerance_m:
-            kept[first + 1 + worst] = True
-            spans += [(first, first + 1 + worst), (first + 1 + worst, last)]
-    return kept
+        needed = approximate_polygon(path, tolerance)
+    return needed
