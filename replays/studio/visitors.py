@@ -16,8 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path
-from typing import Any, Protocol, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import numpy as np
 from starlette.concurrency import run_in_threadpool
@@ -27,6 +26,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from motorcade.animation.authoring.poses import Frame
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.studio.access import MessageRate, WorkBudget
+
+if TYPE_CHECKING:
+    from motorcade.replays.studio.desk import RunDesk
 
 
 @dataclass(frozen=True)
@@ -42,44 +44,6 @@ class Answer:
     news: Mapping[str, Any] | None = None
 
 
-class Desk(Protocol):
-    """A run whose scene is being edited: `joined`, `answer` and `left` by one thread at a time."""
-
-    @property
-    def frames(self) -> int:
-        """How many images the footage has."""
-
-    def about(self) -> dict[str, Any]:
-        """What there is, for the page, as JSON."""
-
-    def frame(self, index: int) -> bytes:
-        """An image as JPEG."""
-
-    def figure(self, number: int) -> bytes | None:
-        """What is drawn of an object, as `.glb`; None where there is no such number."""
-
-    def motion(self, number: int) -> dict[str, Any] | None:
-        """What the joints of an object do, as JSON; None where there is no such number."""
-
-    def film_state(self) -> Mapping[str, Any]:
-        """How far the film is that is being drawn, as JSON."""
-
-    def film(self) -> Path | None:
-        """The film that was drawn last; None without."""
-
-    def joined(self, visitor: int) -> Mapping[str, Any]:
-        """What a browser is told when it comes."""
-
-    def answer(self, visitor: int, message: Mapping[str, Any]) -> Answer:
-        """Do what a browser asks for."""
-
-    def left(self, visitor: int) -> Mapping[str, Any] | None:
-        """A browser is gone: what it held is let go; news to all others."""
-
-    def close(self) -> None:
-        """The server ends: what is kept is written; raises `OSError` where it cannot be."""
-
-
 @dataclass(frozen=True)
 class Offer:
     """A run on the start page.
@@ -90,7 +54,7 @@ class Offer:
     """
 
     name: str
-    open: Callable[[], Desk]
+    open: Callable[[], RunDesk]
     summary: str = ""
 
 
@@ -99,9 +63,9 @@ class OpenedOffers:
     """Offers, and the desks of those that were opened."""
 
     offers: Sequence[Offer]
-    _opening: dict[int, asyncio.Task[Desk]] = field(default_factory=dict)
+    _opening: dict[int, asyncio.Task[RunDesk]] = field(default_factory=dict)
 
-    async def desk(self, run: int) -> Desk:
+    async def desk(self, run: int) -> RunDesk:
         """The desk of a run, opened once for everybody.
 
         Raises:
@@ -177,7 +141,7 @@ class Visitors:
         """Wait for what is under way."""
         self._worker.shutdown()
 
-    async def serve(self, socket: WebSocket, desk: Desk) -> None:
+    async def serve(self, socket: WebSocket, desk: RunDesk) -> None:
         """Take one browser's messages until it goes, or asks for too much."""
         visitor, unsent = next(self._numbers), asyncio.Queue[str](MAX_UNSENT)
         self._present += 1
@@ -198,7 +162,7 @@ class Visitors:
                 leaving = self._work(lambda: _text(desk.left(visitor)))
                 leaving.add_done_callback(lambda done: self._tell_others(visitor, done.result()))
 
-    async def _listen(self, socket: WebSocket, desk: Desk, visitor: int) -> None:
+    async def _listen(self, socket: WebSocket, desk: RunDesk, visitor: int) -> None:
         rate, budget = MessageRate(), WorkBudget()
         while visitor in self._unsent:
             message = await socket.receive()
@@ -239,7 +203,7 @@ class Visitors:
             unsent.put_nowait(_END)
 
 
-def _answered(desk: Desk, visitor: int, text: str) -> tuple[str, str, float]:
+def _answered(desk: RunDesk, visitor: int, text: str) -> tuple[str, str, float]:
     """The reply to a message, the news to others, and the seconds that both took."""
     began = time.thread_time()
     try:
