@@ -14,22 +14,18 @@ export class LiveMotion {
   constructor() {
     /** @type {Reading[]} */
     this.kept = [];
-    const { requestPermission } = /** @type {any} not everywhere */ (window.DeviceMotionEvent ?? {});
-    this.asks = typeof requestPermission === "function";
-    this.sign = this.asks ? -1 : 1; // WebKit on iOS alone asks, and there forces point down at rest
-    addEventListener("devicemotion", (event) => this.#put(event));
-    if (this.asks) addEventListener("click", () => this.#ask());
-  }
-
-  /** Leave is given in a tap alone, and asked for until somebody answers. */
-  async #ask() {
-    if (!this.asks) return;
+    this.sign = /^Apple/.test(navigator.vendor) ? -1 : 1; // WebKit's forces point down at rest
+    /** Whether a tap is waited for, since a browser may give leave in one alone. */
     this.asks = false;
-    try {
-      await /** @type {any} */ (window.DeviceMotionEvent).requestPermission();
-    } catch {
-      this.asks = true; // that tap was none for the browser
-    }
+    addEventListener("devicemotion", (event) => this.#put(event));
+    const { requestPermission } = /** @type {any} not everywhere */ (window.DeviceMotionEvent ?? {});
+    if (!requestPermission) return;
+    const ask = () => requestPermission.call(window.DeviceMotionEvent).then(
+      () => (this.asks = false),
+      () => (this.asks = true), // that was no tap
+    );
+    ask();
+    addEventListener("click", () => this.asks && ask());
   }
 
   #put({ timeStamp, rotationRate: rate, accelerationIncludingGravity: force }) {
@@ -40,6 +36,7 @@ export class LiveMotion {
     const onScreen = (x, y, z, sign) => [cos * x - sin * y, sin * x + cos * y, z].map((v) => sign * v);
     const turns = onScreen(rate.alpha, rate.beta, rate.gamma, 1);
     const values = [...turns, ...onScreen(force.x, force.y, force.z, this.sign)];
+    this.asks = false;
     this.kept.push({ at: timeStamp, values });
     if (this.kept.length > MOST) this.kept.shift();
   }

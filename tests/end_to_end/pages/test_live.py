@@ -107,6 +107,8 @@ def test_motion_sensors_of_the_page_are_used_once_they_are_sure(tmp_path: Path, 
     assert abs(known.offset_s - drawn.OFFSET_S) < 0.02, "the clock of frames is known to a frame"
     turn = known.imu_T_camera.rotor.inverse() @ drawn.IMU_T_CAMERA.rotor
     assert turn.angle() < np.radians(1.0)
+    lever_m = known.imu_T_camera.translation_m - drawn.IMU_T_CAMERA.translation_m
+    assert np.linalg.norm(lever_m) < 0.02, "forces with another sign would put it elsewhere"
 
 
 LISTEN = """(() => {
