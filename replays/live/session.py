@@ -488,10 +488,14 @@ class LiveSession:
         pixels = pixels_of(message, 1)
         if len(pixels) != 1:
             raise ValueError("pixels: expected one")
-        point = on_ground(pixels[0], pose.camera, pose.world_T_camera)
+        if act in ("stand", "walk") and self.tracker.choose_ground(pose, pixels[0]):
+            act = "stand"  # nobody walks from one plane to another
+        motor = self.tracker.in_world(pose)
+        assert motor is not None  # it had one in the world before
+        point = on_ground(pixels[0], pose.camera, motor)
         if point is None:
             raise ValueError("pixels: expected one of the ground")
-        eye: FloatArray = np.asarray(pose.world_T_camera.translation_m)
+        eye: FloatArray = np.asarray(motor.translation_m)
         if act == "stand":
             self.figure.stand(point, eye)
         elif act == "drag":

@@ -1,13 +1,15 @@
 """A pose for every frame that comes, and a word on how far it can be relied on.
 
 The world is the board (x right, y up as printed, z out of its face), the marker that was seen
-first, or with SLAM the largest plane that was mapped (z towards the camera).
+first, or with SLAM a plane that was mapped (z towards the camera): the largest at first, then the
+one that is asked for.
 
 states      searching   nothing was seen yet, or the camera is not known
             tracking    measured in this frame
             weak        measured with a doubt that `why` names, or predicted for up to 0.1 s, by
                         an IMU that is sure for up to 0.5 s
             lost        nothing is known of where the camera is
+            relocalised tracking, for half a second after it was lost
 
 A camera is found while it is used: fits run in a thread of their own after 8, 24 and 64 views of
 the board; meanwhile no view is looked for, since the two would share one interpreter. A camera is
@@ -18,7 +20,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -31,6 +33,7 @@ from motorcade.tracking import (
     Board,
     BoardTracker,
     Camera,
+    Plane,
     SelfCalibration,
     SelfCalibrationError,
     SingleMarker,
@@ -150,7 +153,7 @@ class LiveCalibration:
         return float(np.linalg.norm(steps, axis=-1).mean()) > _MOVED * self.size[0]
 
 
-LiveState = Literal["searching", "tracking", "weak", "lost"]
+LiveState = Literal["searching", "tracking", "weak", "lost", "relocalised"]
 
 PREDICTED_S = 0.1
 """How long a pose is predicted after the last measured one; `LiveSmoother.predict` says why."""
@@ -164,7 +167,8 @@ _SIGMA_PX = 0.2
 _ALIKE_RAD = np.radians(3.0)
 _FEW_CORNERS = 8
 _REPOSED_NS = 500_000_000
-_PLANE_EVERY, _PLANE_NOISE, _FEWEST_POINTS = 15, 0.01, 60
+_PLANE_EVERY, _PLANE_NOISE, _FEWEST_POINTS, _FEWEST_NEAR = 15, 0.01, 60, 15
+_NEAR_RAY_RAD, _SAME_PLANE_RAD = np.radians(12.0), np.radians(10.0)
 
 
 @dataclass(frozen=True)
@@ -202,6 +206,7 @@ class LivePose:
         held_out_px: ``(n,)`` distances of corners that had no part in a pose from where that pose,
             fitted to the others, has them; empty where none can be spared.
         measured: whether the pose was measured in this very frame.
+        world_T_map: with SLAM, where its map lies in the world of this pose.
     """
 
     time_ns: int
@@ -211,6 +216,7 @@ class LivePose:
     camera: Camera | None = None
     held_out_px: FloatArray = field(default_factory=lambda: np.zeros(0))
     measured: bool = False
+    world_T_map: Motor | None = None
 
 
 class LiveTracker:
@@ -255,7 +261,8 @@ class LiveTracker:
         self._slam: _PlaneSlam | None = None
         self._begun_ns = self._last_ns = 0
         self._measured_ns: int | None = None
-        self._sure = False
+        self._found_ns: int | None = None
+        self._lost = self._sure = False
         self._count = 0
 
     @property
@@ -295,6 +302,26 @@ class LiveTracker:
             self._slam = self._slam or _PlaneSlam(self.camera)
             return self._remembered(self._slam.update(frame))
         return self._remembered(self._by_board(frame, self.camera, self.target))
+
+    def choose_ground(self, pose: LivePose, pixel: FloatArray) -> bool:
+        """With SLAM make the plane that an earlier frame shows at a pixel the world.
+
+        Returns:
+            whether another plane is the world now; never without SLAM.
+
+        Raises:
+            ValueError: nothing flat is mapped there.
+        """
+        if self._slam is None or not self._slam.choose_plane(pose, pixel):
+            return False
+        self._measured_ns = None  # what was smoothed is of another world
+        return True
+
+    def in_world(self, pose: LivePose) -> Motor | None:
+        """``world_T_camera`` of an earlier frame, in the world that is now."""
+        if self._slam is None or pose.world_T_map is None or pose.world_T_camera is None:
+            return pose.world_T_camera
+        return self._slam.world_T_map @ pose.world_T_map.inverse() @ pose.world_T_camera
 
     def forget_inertial(self) -> None:
         """Begin anew to find how the IMU sits on the camera: one of both is another."""
@@ -387,7 +414,10 @@ class LiveTracker:
             motor = pose.world_T_camera
             self._smoother.update(time_s, motor.translation_m, motor.rotor.as_quaternion())
             self._measured_ns = pose.time_ns
-            return pose
+            self._found_ns = pose.time_ns if self._lost else self._found_ns
+            self._lost = False
+            again = self._found_ns is not None and pose.time_ns - self._found_ns < _REPOSED_NS
+            return replace(pose, state="relocalised") if again and not pose.why else pose
         if self._measured_ns is None:
             return replace(pose, state="searching")
         passed_s = 1e-9 * (pose.time_ns - self._measured_ns)
@@ -396,6 +426,7 @@ class LiveTracker:
             why = f"{pose.why}; by the IMU"
             return replace(pose, state="weak", why=why, world_T_camera=bridged)
         if passed_s > PREDICTED_S:
+            self._lost = True
             return pose
         motor = self._predicted(pose.time_ns)
         return replace(pose, state="weak", why=f"{pose.why}; predicted", world_T_camera=motor)
@@ -458,40 +489,85 @@ def _rms(values: FloatArray) -> float:
 
 
 class _PlaneSlam:
-    """SLAM in its threads, with the largest plane of its map as the world."""
+    """SLAM in its threads; the world is a plane of its map, or the map until there is one.
+
+    At first it is the largest plane that was mapped, then the one that was asked for.
+    """
 
     def __init__(self, camera: Camera) -> None:
         self._camera = camera
         self._slam = VisualSlam(camera, SlamSettings(threads=True))
-        self._plane_T_map: Motor | None = None
+        self.world_T_map = Motor.identity()
+        self._flat = False
         self._map_number = -1
         self._tracked = 0
 
     def update(self, frame: LiveFrame) -> LivePose:
         seen = self._slam.track(frame.time_ns, frame.gray)
-        nothing = LivePose(
-            frame.time_ns, "lost", "the place is not recognised", camera=self._camera
-        )
         if seen.world_T_camera is None:
-            reason = "move sideways, so that depth is seen"
-            return replace(nothing, why=reason) if seen.state == "initialising" else nothing
+            why = "the place is not recognised"
+            if seen.state == "initialising":
+                why = "move sideways, so that depth is seen"
+            lost = LivePose(frame.time_ns, "lost", why, camera=self._camera)
+            return replace(lost, world_T_map=self.world_T_map)
         if seen.map_number != self._map_number:
-            self._plane_T_map, self._map_number, self._tracked = None, seen.map_number, 0
+            self.world_T_map, self._map_number = Motor.identity(), seen.map_number
+            self._flat, self._tracked = False, 0
         self._tracked += 1
-        if self._plane_T_map is None and self._tracked % _PLANE_EVERY == 0:
-            self._plane_T_map = self._found_plane(seen.world_T_camera)
-        if self._plane_T_map is None:
-            return replace(nothing, why="mapped so far is nothing flat to stand on")
-        state: LiveState = "weak" if seen.state == "weak" else "tracking"
-        why = "few corners are tracked" if state == "weak" else ""
-        pose = self._plane_T_map @ seen.world_T_camera
-        return LivePose(frame.time_ns, state, why, pose, self._camera, measured=True)
+        if not self._flat and self._tracked % _PLANE_EVERY == 0:
+            planes = self._planes(self._points(), seen.world_T_camera.translation_m)
+            self._flat = bool(planes)
+            self.world_T_map = planes[0].world_T_plane.inverse() if planes else self.world_T_map
+        why = "few corners are tracked" if seen.state == "weak" else ""
+        if not self._flat:
+            why = "nothing flat is found yet; tap on what is flat, or move sideways"
+        state: LiveState = "weak" if why else "tracking"
+        pose = LivePose(frame.time_ns, state, why, self.world_T_map @ seen.world_T_camera)
+        return replace(pose, camera=self._camera, measured=True, world_T_map=self.world_T_map)
 
-    def _found_plane(self, map_T_camera: Motor) -> Motor | None:
-        points = self._slam.snapshot().points
-        if len(points) < _FEWEST_POINTS:
-            return None
+    def choose_plane(self, pose: LivePose, pixel: FloatArray) -> bool:
+        """As `LiveTracker.choose_ground`: the nearest plane that reaches the pixel's ray.
+
+        Where no large plane does, one is fitted to the points near the ray. The plane that is the
+        world already stays as it is, so that what stands on it does.
+        """
+        if pose.world_T_map is None or pose.world_T_camera is None:
+            return False
+        map_T_camera = pose.world_T_map.inverse() @ pose.world_T_camera
         eye = map_T_camera.translation_m
-        noise = _PLANE_NOISE * float(np.median(np.linalg.norm(points - eye, axis=-1)))
-        planes = find_planes(points, noise, np.random.default_rng(0), seen_from_m=eye).planes
-        return planes[0].world_T_plane.inverse() if planes else None
+        ray = map_T_camera.rotor.apply(self._camera.bearings(pixel))
+        points = self._points()
+        away = points - eye
+        near = away @ ray > np.cos(_NEAR_RAY_RAD) * np.linalg.norm(away, axis=-1)
+        large = [plane for plane in self._planes(points, eye) if _reaches(plane, eye, ray)]
+        planes = large or self._planes(points[near], eye, most=1, least_share=0.5)
+        met = [float(np.linalg.norm(plane.met_by(eye, ray) - eye)) for plane in planes]
+        if not np.isfinite(met).any():
+            raise ValueError("pixels: nothing flat is mapped there yet; move sideways, to see it")
+        plane = planes[int(np.nanargmin(met))]
+        above = self.world_T_map.apply(plane.met_by(eye, ray))[2]
+        tilt = np.arccos(np.clip(self.world_T_map.rotor.apply(plane.normal)[2], -1.0, 1.0))
+        if self._flat and tilt < _SAME_PLANE_RAD and abs(above) < 3.0 * _noise(points, eye):
+            return False
+        self.world_T_map, self._flat = plane.world_T_plane.inverse(), True
+        return True
+
+    def _points(self) -> FloatArray:
+        return self._slam.snapshot().points
+
+    @staticmethod
+    def _planes(points: FloatArray, eye: FloatArray, **wanted: Any) -> tuple[Plane, ...]:
+        if len(points) < (_FEWEST_NEAR if wanted else _FEWEST_POINTS):
+            return ()
+        rng, noise = np.random.default_rng(0), _noise(points, eye)
+        return find_planes(points, noise, rng, seen_from_m=eye, **wanted).planes
+
+
+def _noise(points: FloatArray, eye: FloatArray) -> float:
+    return _PLANE_NOISE * float(np.median(np.linalg.norm(points - eye, axis=-1)))
+
+
+def _reaches(plane: Plane, eye: FloatArray, ray: FloatArray) -> bool:
+    hit = plane.met_by(eye, ray)
+    ahead = bool((hit - eye) @ ray > 0.0)
+    return ahead and bool(plane.holds(hit))

@@ -19,7 +19,9 @@ const WORDS = {
   weak: "Weak",
   lost: "Lost",
   refused: "Refused",
+  relocalised: "Found again",
 };
+const SEEN = new Set(["tracking", "weak", "relocalised"]);
 const GUESS = { width: 640, height: 480, fx: 600, fy: 600, cx: 319.5, cy: 239.5, model: "pinhole", coefficients: [] };
 
 class LivePage {
@@ -260,10 +262,9 @@ class LivePage {
     document.body.dataset.state = state;
     this.state.textContent = WORDS[state] ?? state;
     this.why.textContent = why ?? "";
-    const seen = state === "tracking" || state === "weak";
     this.hint.textContent = this.figure.state
       ? ""
-      : seen
+      : SEEN.has(state)
         ? "Tap where it shall stand"
         : `Point the camera at ${this.target}`;
   }

@@ -2,14 +2,17 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from motorcade.animation.authoring import read_scene
+from motorcade.ga import Motor, Rotor
 from motorcade.replays import Recording, open_recording
-from motorcade.replays.live import LiveTracker
+from motorcade.replays.live import LiveFrame, LivePose, LiveTracker
+from motorcade.replays.live import tracker as live_tracker
 from motorcade.replays.live.session import (
     LARGEST,
     LiveFigure,
@@ -19,7 +22,7 @@ from motorcade.replays.live.session import (
     track_without_page,
 )
 from motorcade.replays.stages.camera.board_poses import board_poses
-from tests.replays.live.drawn import BOARD, CAMERA, frames, world_T_camera
+from tests.replays.live.drawn import BOARD, CAMERA, STEP_NS, frames, world_T_camera
 
 
 def a_session(folder: Path | None = None) -> LiveSession:
@@ -117,6 +120,69 @@ def test_gestures_that_are_none_are_refused(message: dict[str, object], said: st
     session.take(next(iter(frames(1, 2))), 0)
     with pytest.raises(ValueError, match=said):
         session.gesture(message)
+
+
+class TwoFloors:
+    """SLAM that knows its poses, and points of a table 0.2 above a floor, in a frame of its own."""
+
+    map_T_floor = Motor.from_twist([0.3, -0.2, 0.1, 0.5, -0.4, 0.2])
+    table = np.array([[-0.4, 0.1], [0.4, 0.7]])
+
+    def __init__(self, *_: object) -> None:
+        rng = np.random.default_rng(3)
+        floor = rng.uniform([-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], (300, 3))
+        table = rng.uniform([*self.table[0], 0.2], [*self.table[1], 0.2], (60, 3))
+        both = np.concatenate([floor, table]) + rng.normal(0.0, 0.002, (360, 3))
+        self.points = self.map_T_floor.apply(both)
+
+    def snapshot(self) -> SimpleNamespace:
+        return SimpleNamespace(points=self.points)
+
+    def track(self, time_ns: int, _: object) -> SimpleNamespace:
+        pose = self.map_T_floor @ self.floor_T_camera(time_ns / STEP_NS)
+        return SimpleNamespace(world_T_camera=pose, state="tracking", map_number=0)
+
+    @staticmethod
+    def floor_T_camera(at: float) -> Motor:
+        down = Rotor.from_rotation_vector([-0.75 * np.pi, 0.0, 0.0])
+        return Motor.from_rotor_translation(down, [0.02 * at, -1.2, 1.2])
+
+    def pixel(self, point: list[float], at: float) -> list[float]:
+        return CAMERA.project(self.floor_T_camera(at).inverse().apply(point)).tolist()
+
+
+def test_a_figure_stands_on_the_plane_that_is_tapped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live_tracker, "VisualSlam", TwoFloors)
+    slam = TwoFloors()
+    session = LiveSession(LiveTracker("slam", CAMERA), LiveFigure("mannequin", 0.2))
+    blank = np.zeros((CAMERA.height, CAMERA.width), np.uint8)
+
+    def seen(number: int) -> LivePose:
+        return session.take(LiveFrame(number * STEP_NS, blank), number)
+
+    def stands_at(pose: LivePose) -> np.ndarray:
+        feet = [*session.figure.position_m, 0.0]
+        camera_point = pose.world_T_camera.inverse().apply(feet)
+        return slam.floor_T_camera(pose.time_ns / STEP_NS).apply(camera_point)
+
+    poses = [seen(number) for number in range(16)]
+    assert "nothing flat" in poses[0].why
+    assert poses[-1].state == "tracking"
+    for tapped, act in (([0.1, -0.3, 0.0], "stand"), ([0.1, 0.3, 0.2], "walk")):
+        number = len(poses)
+        earlier = {"frame": number - 2, "pixels": [slam.pixel(tapped, number - 2)]}
+        session.gesture({"do": act, **earlier})
+        poses.append(seen(number))
+        assert np.linalg.norm(stands_at(poses[-1]) - tapped) < 0.02, "on the plane that was tapped"
+        assert abs(poses[-1].world_T_camera.translation_m[2] - (1.2 - tapped[2])) < 0.02
+        assert poses[-1].state == "tracking"
+    number = len(poses) - 3  # shown in the world before
+    near = {"frame": number, "pixels": [slam.pixel([0.2, 0.4, 0.2], number)]}
+    session.gesture({"do": "walk", **near})
+    assert session.figure.state(session._time_s)["motion"] == 1, "on the same plane it walks"
+    session.tracker._slam._slam.points = np.full((90, 3), 5.0) + np.eye(3)[np.arange(90) % 3]
+    with pytest.raises(ValueError, match="nothing flat is mapped there"):
+        session.gesture({"do": "walk", **near})
 
 
 def test_a_source_is_tracked_to_its_end_without_a_page(tmp_path: Path) -> None:

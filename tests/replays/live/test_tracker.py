@@ -39,8 +39,10 @@ def test_what_is_out_of_sight_is_predicted_briefly_and_then_lost() -> None:
         assert (pose.state == "weak") == (later * STEP_NS <= PREDICTED_S * 1e9)
     back = world_T_camera(20, 3)
     seen = tracker.update(LiveFrame(last.time_ns + 20 * STEP_NS, image_of(back)))
-    assert seen.measured
+    assert (seen.measured, seen.state) == (True, "relocalised")
     assert np.linalg.norm(seen.world_T_camera.translation_m - back.translation_m) < 0.005
+    later = tracker.update(LiveFrame(last.time_ns + 40 * STEP_NS, image_of(back)))
+    assert later.state == "tracking"
 
 
 def test_another_board_gives_no_pose() -> None:
