@@ -1,6 +1,8 @@
 """How fast and how right the live page is, with Chromium's fake camera fed from a recording.
 
     python -m tests.bench.live                    # vamr_board below MOTORCADE_DATA, else drawn
+    python -m tests.bench.live --target tag       # a drawn marker
+    python -m tests.bench.live --target slam      # 7scenes_redkitchen; the floor plane is tapped
     python -m tests.bench.live --rate-hz 15 --seconds 20 --width 390 --shot page.png
 
 Browser and server run on this machine together, WebGL by software. Printed are frames drawn a
@@ -25,13 +27,16 @@ from typing import Any
 
 import numpy as np
 
+from motorcade.ga import Motor, Rotor
 from motorcade.replays import open_recording
 from motorcade.replays.live import LiveTracker
 from motorcade.replays.live.app import MAX_FRAME_BYTES, live_app
 from motorcade.replays.live.session import LiveFigure, LiveRecorder, LiveSession, height_on
+from motorcade.replays.live.tracker import FirstMarker, Target
 from motorcade.replays.studio.access import Access
 from motorcade.replays.studio.serving import Listening, configured, opened
-from motorcade.tracking import Board, Camera
+from motorcade.tracking import Board, Camera, SingleMarker
+from tests.bench.data import data_folder
 from tests.end_to_end.pages.conftest import Browser
 from tests.replays.live import drawn
 
@@ -43,16 +48,41 @@ PATIENCE_S = 60.0
 class Filmed:
     """What the fake camera shows."""
 
-    board: Board
+    target: Target
     camera: Camera
     images: tuple[np.ndarray, ...]
 
+    def tap(self, tab: LiveTab) -> None:
+        """Stand the figure: in the board's middle, or where the lower part of the image lies."""
+        if self.target == "slam":
+            width, height = tab.value("[innerWidth, innerHeight]")
+            tab.tap(0.5 * width, 0.7 * height)
+        else:
+            points_m = self.target.points_m if isinstance(self.target, Board) else TAG.points_m
+            tab.tap_world(", ".join(map(str, points_m.mean(axis=0))))
 
-def filmed(frames: int) -> Filmed:
+
+TAG = SingleMarker("tag36h11", 5, 0.16)
+
+
+def filmed(frames: int, target: str = "board") -> Filmed:
     """The board of vamr_board, cut to 640 x 480; drawn where there are no recordings."""
-    data = os.environ.get("MOTORCADE_DATA", "")
-    folder = Path(data, "replays", "vamr_board")
-    if not data or not folder.is_dir():
+    data = data_folder()
+    folder = data / "replays" / "vamr_board"
+    if target == "tag":
+        camera = Camera(*SIZE, 600.0, 600.0, 319.5, 239.5)
+        poses = [drawn.world_T_camera(index, 7) for index in range(frames)]
+        moved = TAG.points_m.mean(axis=0) - drawn.BOARD.points_m.mean(axis=0)
+        offset = Motor.from_rotor_translation(Rotor.identity(), moved)
+        images = tuple(drawn.image_of(offset @ pose, TAG, camera) for pose in poses)
+        return Filmed(FirstMarker(TAG.family, TAG.side_m), camera, images)
+    if target == "slam":
+        recording = open_recording(data / "replays" / "7scenes_redkitchen")
+        assert recording.camera is not None
+        count = min(frames, len(recording.frames))
+        images = tuple(recording.frames[index].gray() for index in range(count))
+        return Filmed("slam", recording.camera, images)
+    if not folder.is_dir():
         camera = Camera(*SIZE, 600.0, 600.0, 319.5, 239.5)
         poses = (drawn.world_T_camera(index, 7) for index in range(frames))
         images = tuple(drawn.image_of(pose, camera=camera) for pose in poses)
@@ -170,18 +200,19 @@ def measured(
 ) -> dict[str, Any]:
     """Figures of a live session of so many seconds."""
     with tempfile.TemporaryDirectory() as kept:
-        tracker = LiveTracker(shown.board, None if find else shown.camera)
+        tracker = LiveTracker(shown.target, None if find else shown.camera)
         recorder = LiveRecorder(Path(kept, "session"))
-        figure = LiveFigure("mannequin", height_on(shown.board))
+        figure = LiveFigure("mannequin", height_on(shown.target))
         session = LiveSession(tracker, figure, recorder)
         with fake_camera(film) as browser, running(session) as access:
             tab = LiveTab(browser, access.link(), width, 800)
             began_s = time.monotonic()
             tab.until("window.livePage && livePage.stage.hasPose")
             found_s = time.monotonic() - began_s
-            middle = shown.board.points_m.mean(axis=0)
-            tab.tap_world(f"{middle[0]}, {middle[1]}, 0")
-            tab.until("livePage.figure.figure && livePage.figure.state")
+            while not tab.value("!!(livePage.figure.figure && livePage.figure.state)"):
+                if not tab.value("livePage.figure.state"):
+                    shown.tap(tab)
+                time.sleep(0.3)
             time.sleep(1.0)
             drawn_before, cpu, start = tab.value("livePage.drawn"), os.times(), time.monotonic()
             states = dict(session.measure.states)
@@ -226,13 +257,14 @@ def measured(
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--target", choices=("board", "tag", "slam"), default="board")
     parser.add_argument("--rate-hz", type=int, default=30)
     parser.add_argument("--width", type=int, default=1200, help="of the window; 390 as a phone")
     parser.add_argument("--frames", type=int, default=150, help="of the film, there and back")
     parser.add_argument("--find-camera", action="store_true", help="from the board, live")
     parser.add_argument("--shot", type=Path, help="write an image of the page")
     arguments = parser.parse_args()
-    shown = filmed(arguments.frames)
+    shown = filmed(arguments.frames, arguments.target)
     with tempfile.TemporaryDirectory() as folder:
         film = Path(folder, "camera.y4m")
         write_y4m(film, shown.images, arguments.rate_hz)
