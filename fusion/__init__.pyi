@@ -44,5 +44,5 @@ from .smoothing.methods import METHODS as METHODS
 from .smoothing.methods import smooth as smooth
 from .sync.synchronise import Synchronised as Synchronised
 from .sync.synchronise import synchronise as synchronise
+from .visual_inertial.sequence import adjust_visual_inertial as adjust_visual_inertial
 from .visual_inertial.start import start_inertial as start_inertial
-from .visual_inertial.tight import adjust_visual_inertial as adjust_visual_inertial

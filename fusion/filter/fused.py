@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from motorcade.fusion.filter.findings import LatencyCurve
 from motorcade.fusion.filter.sourced import Judgement
-from motorcade.fusion.health.readings import check_stamps
+from motorcade.fusion.health.check import check_stamps
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import ImuStream

@@ -31,6 +31,14 @@ ROTATION, POSITION, VELOCITY, GYRO_BIAS, ACCEL_BIAS = (slice(3 * i, 3 * i + 3) f
 TILT, EXTRINSICS, OFFSET, EARLIER = slice(15, 17), slice(17, 23), 23, slice(24, 30)
 EARLIER_ROTATION, EARLIER_POSITION = slice(24, 27), slice(27, 30)
 ERROR_NUMBERS = 30
+_PARTS = {
+    "rotation": ROTATION,
+    "position": POSITION,
+    "velocity": VELOCITY,
+    "gyro_bias": GYRO_BIAS,
+    "pose": slice(0, 6),
+    "earlier_pose": EARLIER,
+}
 
 MOST_NUMBERS = 8  # of one measurement; what the compiled filter has room for
 _ASYMMETRY = 1e-9
@@ -243,6 +251,14 @@ class Measurements(ABC):
         a measurement, about a millisecond.
         """
         return numerical_jacobian(self, row, state)
+
+
+def by_error(count: int, **parts: FloatArray) -> FloatArray:
+    """A derivative ``(count, 30)`` of these columns, by the name of the error's part; else zero."""
+    jacobian = np.zeros((count, ERROR_NUMBERS))
+    for name, columns in parts.items():
+        jacobian[:, _PARTS[name]] = columns
+    return jacobian
 
 
 def numerical_jacobian(kind: Measurements, row: int, state: PredictedState) -> FloatArray:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.fusion.measurements.interface import (
-    EARLIER,
     ERROR_NUMBERS,
     EXTRINSICS,
     GYRO_BIAS,
@@ -18,6 +17,7 @@ from motorcade.fusion.measurements.interface import (
     VELOCITY,
     Measurements,
     PredictedState,
+    by_error,
     set_checked,
     skew,
     spread,
@@ -79,10 +79,8 @@ class BodyPoseMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(6, 30)`` of that."""
-        jacobian = np.zeros((6, ERROR_NUMBERS))
         back = Motor.left_jacobian_inverse(self.residual(row, state))
-        jacobian[:, :6] = -back @ self.imu_T_body.inverse().adjoint()
-        return jacobian
+        return by_error(6, pose=-back @ self.imu_T_body.inverse().adjoint())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -167,12 +165,10 @@ class RelativePoseMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(6, 30)`` of that."""
-        jacobian = np.zeros((6, ERROR_NUMBERS))
         step, body = self._predicted(state), self.imu_T_body.inverse()
         back = Motor.left_jacobian_inverse(step.local(self.earlier_T_body[row]))
-        jacobian[:, :6] = -back @ body.adjoint()
-        jacobian[:, EARLIER] = back @ (step.inverse() @ body).adjoint()
-        return jacobian
+        earlier = back @ (step.inverse() @ body).adjoint()
+        return by_error(6, pose=-back @ body.adjoint(), earlier_pose=earlier)
 
 
 _MOST = 4  # points of a row: eight numbers

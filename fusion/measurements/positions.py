@@ -10,13 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from motorcade.fusion.measurements.interface import (
-    ERROR_NUMBERS,
-    GYRO_BIAS,
-    POSITION,
-    ROTATION,
-    VELOCITY,
     Measurements,
     PredictedState,
+    by_error,
     checked_rows,
     set_checked,
     skew,
@@ -100,10 +96,8 @@ class PositionMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        jacobian = np.zeros((3, ERROR_NUMBERS))
-        jacobian[:, ROTATION] = state.world_R_imu @ skew(self.arm_m)
-        jacobian[:, POSITION] = -state.world_R_imu
-        return jacobian
+        world_R_imu = state.world_R_imu
+        return by_error(3, rotation=world_R_imu @ skew(self.arm_m), position=-world_R_imu)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -148,10 +142,8 @@ class AltitudeMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(1, 30)`` of that."""
-        jacobian = np.zeros((1, ERROR_NUMBERS))
-        jacobian[0, ROTATION] = state.world_R_imu[2] @ skew(self.arm_m)
-        jacobian[0, POSITION] = -state.world_R_imu[2]
-        return jacobian
+        up = state.world_R_imu[2]
+        return by_error(1, rotation=up @ skew(self.arm_m), position=-up)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -208,12 +200,9 @@ class VelocityMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        jacobian = np.zeros((3, ERROR_NUMBERS))
         about = np.cross(state.angular_rate_rad_s, self.arm_m)
-        jacobian[:, ROTATION] = state.world_R_imu @ skew(about)
-        jacobian[:, VELOCITY] = -state.world_R_imu
-        jacobian[:, GYRO_BIAS] = -state.world_R_imu @ skew(self.arm_m)
-        return jacobian
+        turned, by_bias = state.world_R_imu @ skew(about), -state.world_R_imu @ skew(self.arm_m)
+        return by_error(3, rotation=turned, velocity=-state.world_R_imu, gyro_bias=by_bias)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -300,11 +289,9 @@ class BodyVelocityMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        jacobian = np.zeros((3, ERROR_NUMBERS))
-        jacobian[:, ROTATION] = -self._body_R_imu @ skew(state.velocity_m_s @ state.world_R_imu)
-        jacobian[:, VELOCITY] = -self._body_R_imu
-        jacobian[:, GYRO_BIAS] = -self._body_R_imu @ skew(self.arm_m)
-        return jacobian
+        body_R_imu, own = self._body_R_imu, state.velocity_m_s @ state.world_R_imu
+        turned, by_bias = -body_R_imu @ skew(own), -body_R_imu @ skew(self.arm_m)
+        return by_error(3, rotation=turned, velocity=-body_R_imu, gyro_bias=by_bias)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -354,11 +341,9 @@ class HeadingMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(1, 30)`` of that."""
-        jacobian = np.zeros((1, ERROR_NUMBERS))
         x, y, _ = state.world_R_imu @ self.axis
         turned = state.world_R_imu @ skew(self.axis)
-        jacobian[0, ROTATION] = (x * turned[1] - y * turned[0]) / (x * x + y * y)
-        return jacobian
+        return by_error(1, rotation=(x * turned[1] - y * turned[0]) / (x * x + y * y))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -408,10 +393,8 @@ class MagneticFieldMeasurements(Measurements):
 
     def jacobian(self, row: int, state: PredictedState) -> FloatArray:
         """Derivative ``(3, 30)`` of that."""
-        jacobian = np.zeros((3, ERROR_NUMBERS))
         turned = skew(self.world_field @ state.world_R_imu)
-        jacobian[:, ROTATION] = -self.imu_R_sensor.as_matrix().T @ turned
-        return jacobian
+        return by_error(3, rotation=-self.imu_R_sensor.as_matrix().T @ turned)
 
 
 @dataclass(frozen=True)

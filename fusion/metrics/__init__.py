@@ -47,18 +47,16 @@ from motorcade.fusion.metrics.poses.alignment import (
     cropped,
 )
 from motorcade.fusion.metrics.poses.pose_error import (
-    absolute_translation_m,
-    log_scales,
-    rotation_rad,
-    tilt_rad,
-)
-from motorcade.fusion.metrics.poses.relations import (
     KITTI_LENGTHS_M,
     Delta,
     Relation,
     absolute_errors,
+    absolute_translation_m,
     drift_by_length,
+    log_scales,
     relative_errors,
+    rotation_rad,
+    tilt_rad,
 )
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 

@@ -43,18 +43,16 @@ from motorcade.fusion.metrics.poses.alignment import (
     projected,
 )
 from motorcade.fusion.metrics.poses.pose_error import (
-    Statistics,
-    constant_rotation,
-    log_scales,
-    tilt_rad,
-)
-from motorcade.fusion.metrics.poses.relations import (
     Delta,
     Drift,
     Relation,
+    Statistics,
     absolute_errors,
+    constant_rotation,
     drift_by_length,
+    log_scales,
     relative_errors,
+    tilt_rad,
 )
 from motorcade.fusion.metrics.smooth_path import NotObservableError
 from motorcade.ga import Motor, Trajectory

@@ -79,7 +79,6 @@ def offset_by_rotations(
     if not blocks:
         return None
     weights = [np.ones(len(block)) for block in blocks]
-    solved = None
     for _ in range(_ITERATIONS):
         steps, rate = _gyroscope(imu, camera.time_ns + round(offset_s * 1e9), gyro_bias_rad_s)
         measured = (camera.motors.rotor @ imu_R_camera.inverse()).as_matrix()

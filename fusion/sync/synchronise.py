@@ -19,14 +19,13 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from motorcade.fusion.health.check import check_health
+from motorcade.fusion.health.check import check_health, check_stamps
 from motorcade.fusion.health.gyroscope import (
     LEAST_OVERLAP_S,
     CameraRates,
     TurnedAngle,
     norm_correlations,
 )
-from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.health.verdict import Health
 from motorcade.fusion.imu.noise import ImuNoise
 from motorcade.fusion.imu.stream import GRAVITY_SIGMA_M_S2, STANDARD_GRAVITY_M_S2, ImuStream

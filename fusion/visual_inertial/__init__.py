@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from motorcade.fusion.visual_inertial.online import InertialSlam, InertialSlamResult
-from motorcade.fusion.visual_inertial.sequence import MetricMap, metric_map
+from motorcade.fusion.visual_inertial.sequence import (
+    MetricMap,
+    adjust_visual_inertial,
+    metric_map,
+)
 from motorcade.fusion.visual_inertial.start import start_inertial
-from motorcade.fusion.visual_inertial.tight import adjust_visual_inertial
 
 __all__ = [
     "InertialSlam",

@@ -10,10 +10,9 @@ from scipy.optimize import minimize
 
 from motorcade.fusion.health import check_health
 from motorcade.fusion.health.accelerometer import Pushes
-from motorcade.fusion.health.check import count_faults
+from motorcade.fusion.health.check import check_stamps, count_faults
 from motorcade.fusion.health.gyroscope import TurnedAngle
 from motorcade.fusion.health.models import SIGNED_PERMUTATIONS, Prior, fit, order_of
-from motorcade.fusion.health.readings import check_stamps
 from motorcade.fusion.imu import ADIS16448, ContinuousPath, ImuStream, simulate_imu
 from motorcade.fusion.imu.simulate import simulate_camera_poses
 from motorcade.fusion.motions import MOTIONS

@@ -18,7 +18,7 @@ from motorcade.fusion.metrics import (
     match,
     relative_errors,
 )
-from motorcade.fusion.metrics.poses import relations
+from motorcade.fusion.metrics.poses import pose_error
 from motorcade.fusion.metrics.poses.alignment import folded, projected
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
@@ -174,13 +174,13 @@ def test_all_pairs_by_angle_are_bounded(rng, monkeypatch):
     angles = np.rad2deg((few[first].rotor.inverse() @ few[last].rotor).angle())
     assert np.all((angles >= 50.0) & (angles <= 150.0))
     assert np.all(first < last)
-    monkeypatch.setattr(relations, "_CELLS", 130)  # blocks of two rows
+    monkeypatch.setattr(pose_error, "_CELLS", 130)  # blocks of two rows
     for whole, blocks in zip((first, last), turn.ends(few, few), strict=True):
         np.testing.assert_array_equal(whole, blocks)
-    monkeypatch.setattr(relations, "MOST_PAIRS", len(first) - 1)
+    monkeypatch.setattr(pose_error, "MOST_PAIRS", len(first) - 1)
     with pytest.raises(ValueError, match=r"expected at most .* pairs, got more among 60 poses"):
         turn.ends(few, few)
-    monkeypatch.setattr(relations, "MOST_POSES", 59)
+    monkeypatch.setattr(pose_error, "MOST_POSES", 59)
     with pytest.raises(ValueError, match="expected at most 59 poses for all pairs by angle, got"):
         turn.ends(few, few)
 

@@ -12,7 +12,7 @@ from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.visual_inertial import adjust_visual_inertial
 from motorcade.fusion.visual_inertial.readout import Readout, checked_readout
-from motorcade.fusion.visual_inertial.tight import LandmarkObservations
+from motorcade.fusion.visual_inertial.sequence import LandmarkObservations
 from motorcade.fusion.visual_inertial.window import InertialAdjuster
 from motorcade.ga import Trajectory
 from motorcade.tracking import Camera

@@ -12,8 +12,12 @@ from motorcade.fusion.imu import ADIS16448, ImuStream, simulate_imu
 from motorcade.fusion.metrics import evaluate
 from motorcade.fusion.motions.standard import MOTIONS
 from motorcade.fusion.visual_inertial import adjust_visual_inertial, start_inertial
-from motorcade.fusion.visual_inertial.sequence import measured_in_map, metric_map
-from motorcade.fusion.visual_inertial.tight import LandmarkObservations, VisualInertial
+from motorcade.fusion.visual_inertial.sequence import (
+    LandmarkObservations,
+    VisualInertial,
+    measured_in_map,
+    metric_map,
+)
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 from motorcade.tracking import Camera, PoseMeasurements

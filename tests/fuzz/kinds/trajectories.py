@@ -17,7 +17,7 @@ from motorcade.fusion import smooth
 from motorcade.fusion.imu.noise import ADIS16448
 from motorcade.fusion.imu.simulate import simulate_imu
 from motorcade.fusion.metrics import Align, Delta, Plane, Relation, evaluate_matched, match
-from motorcade.fusion.metrics.poses.relations import DeltaUnit
+from motorcade.fusion.metrics.poses.pose_error import DeltaUnit
 from motorcade.fusion.smoothing.methods import METHODS
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.replays.io.trajectories import read_trajectory, write_trajectory
