@@ -26,7 +26,7 @@ MOST_VIEWS = 40
 """Views that are kept of a film."""
 _WIDEST_PX, _TALLEST_PX = 960, 112
 """Width of the largest views that are kept, and height of what is compared."""
-_COMPARED, _ANGLE_RAD, _LEAST_RAD, _MOST_RAD = 4, 0.1, 0.02, 0.4
+_COMPARED, _ANGLE_RAD, _LEAST_RAD, _MOST_RAD = 4, 0.1, 0.02, 0.25
 """So many other views, best seen from directions so far apart; fewer pixels move in nearer ones,
 and too much hides in farther ones."""
 _NEAREST = 0.3
@@ -36,8 +36,9 @@ _PATCH, _SPREAD, _MARGIN, _NOISE = 7, 5, 10, 3.0
 beyond the hull, pixels; and the noise of grey values below which a patch has no texture."""
 _ALIKE, _UNIQUE = 0.55, 0.05
 """Correlation of what is the same, and how much that of any other plane is less."""
-_STEPS, _CLEARLY = 1.5, 0.08
-"""Nearer by so many planes, and by this share of the distance."""
+_STEP_PX, _STEPS, _CLEARLY = 1.5, 1.5, 0.08
+"""From plane to plane what is farthest moves by so many pixels; nearer is what is so by so many
+planes, and by this share of the distance."""
 _DOUBT, _EDGE, _LEAST_SHARE = 0.1, 1e-4, 0.01
 """Where so few of the pixels around tell, as much speaks for nothing that is nearer; what is an
 edge, in squared grey values of 0 to 1; and the share of the compared pixels that a thing covers."""
@@ -109,7 +110,7 @@ class SceneViews:
         other_T_view = self.world_T_camera[others].inverse() @ world_T_camera
         turns, offsets = other_T_view.rotor.as_matrix(), other_T_view.translation_m
         matrix = _scaled(self.camera.matrix, scale * self._own_scale)
-        step = 1.0 / (matrix[0, 0] * float(np.linalg.norm(offsets, axis=1).max()))
+        step = _STEP_PX / (matrix[0, 0] * float(np.linalg.norm(offsets, axis=1).max()))
         planes = np.arange(0.0, 1.0 / (_NEAREST * distance_m), step)
         if len(planes) < 4 * _STEPS:
             return None
@@ -201,21 +202,20 @@ def _swept(
     """Inverse depth ``(h, w)`` of each pixel, and where the views agree on it and on no other."""
     height, width = shown.shape
     from_window = np.linalg.inv(matrix) @ [[1, 0, first[0]], [0, 1, first[1]], [0, 0, 1]]
-    own = _Patches(shown)
+    own = _Patches(shown[..., None])
     scores = np.empty((len(planes), height, width), np.float32)
+    others = np.empty((height, width, len(images)), np.float32)
     for k, inverse_m in enumerate(planes):
-        each = []
-        for image, turn, offset_m in zip(images, turns, offsets_m, strict=True):
+        for j, (image, turn, offset_m) in enumerate(zip(images, turns, offsets_m, strict=True)):
             homography = matrix @ (turn + inverse_m * np.outer(offset_m, [0, 0, 1])) @ from_window
-            warped = cv2.warpPerspective(
+            others[..., j] = cv2.warpPerspective(
                 image,
                 homography,
                 (width, height),
                 flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
                 borderMode=cv2.BORDER_CONSTANT,
             )
-            each.append(own.likeness(warped.astype(np.float32)))
-        scores[k] = cv2.blur(_best_half(each), (_SPREAD, _SPREAD))
+        scores[k] = cv2.blur(_best_half(own.likeness(others)), (_SPREAD, _SPREAD))
     best = scores.argmax(axis=0)
     top = scores.max(axis=0)
     away = np.abs(np.arange(len(planes))[:, None, None] - best) > 2
@@ -224,33 +224,37 @@ def _swept(
 
 
 class _Patches:
-    """An image's patches, to be compared with those of others."""
+    """The patches of an image ``(h, w, 1)``, to be compared with those of others."""
 
     def __init__(self, image: NDArray[np.float32]) -> None:
-        self._image, self._mean = image, cv2.blur(image, (_PATCH, _PATCH))
+        self._image, self._mean = image, _mean_of(image)
         self._spread = _spread_of(image, self._mean)
 
-    def likeness(self, other: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Normalised correlation ``(h, w)``, near 0 where there is no texture."""
-        mean = cv2.blur(other, (_PATCH, _PATCH))
-        shared = cv2.blur(self._image * other, (_PATCH, _PATCH)) - self._mean * mean
-        return np.asarray(shared / np.sqrt(self._spread * _spread_of(other, mean)), np.float32)
+    def likeness(self, others: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Normalised correlation ``(h, w, n)`` with others, near 0 where there is no texture."""
+        mean = _mean_of(others)
+        shared = _mean_of(self._image * others) - self._mean * mean
+        return np.asarray(shared / np.sqrt(self._spread * _spread_of(others, mean)), np.float32)
 
 
-def _spread_of(image: NDArray[np.float32], mean: NDArray[np.float32]) -> NDArray[np.float32]:
-    spread = cv2.blur(image * image, (_PATCH, _PATCH)) - mean * mean
+def _mean_of(images: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.asarray(cv2.blur(images, (_PATCH, _PATCH)), np.float32).reshape(images.shape)
+
+
+def _spread_of(images: NDArray[np.float32], mean: NDArray[np.float32]) -> NDArray[np.float32]:
+    spread = _mean_of(images * images) - mean * mean
     return np.asarray(np.maximum(spread, 0.0) + np.float32(_NOISE**2))
 
 
-def _best_half(scores: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Mean of the better half of up to four scores."""
-    if len(scores) < 3:
-        return scores[0] if len(scores) == 1 else np.maximum(*scores)
-    if len(scores) == 3:
-        return np.asarray(0.5 * (sum(scores) - np.minimum.reduce(scores)), np.float32)
-    (a, b), (c, d) = scores[:2], scores[2:]
+def _best_half(scores: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Mean ``(h, w)`` of the better half of up to four scores ``(h, w, n)``."""
+    if scores.shape[-1] < 3:
+        return np.ascontiguousarray(scores.max(axis=-1))
+    if scores.shape[-1] == 3:
+        return np.asarray(0.5 * (scores.sum(axis=-1) - scores.min(axis=-1)), np.float32)
+    a, b, c, d = np.moveaxis(scores, -1, 0)
     over, under = np.maximum(a, b), np.maximum(c, d)
-    return np.asarray(0.5 * np.maximum.reduce([over + under, a + b, c + d]), np.float32)
+    return np.asarray(0.5 * np.maximum(np.maximum(over + under, a + b), c + d), np.float32)
 
 
 def _inverse_ground(

@@ -325,8 +325,12 @@ def grounds_in(scene: SeenScene, up: UpEstimate, *, planes_only: bool = False) -
     pairs = zip(scene.planes, scene.beliefs, strict=True)
     grounds = [_on_plane(scene, *pair, up) for pair in pairs if pair[1] >= _OFFERED]
     if scene.has_level and not planes_only:
-        grounds.append(foot_ground(scene, up))
-    return sorted(grounds, key=lambda ground: -ground.rank)[:MOST_CANDIDATES]
+        grounds.append(_foot_ground(scene, up))
+    waiting = sorted(grounds, key=lambda ground: -ground.rank)
+    tried: list[Ground] = []
+    while waiting and waiting[0].rank > max((ground.rank for ground in tried), default=-1.0):
+        tried.append(_in_the_open(waiting.pop(0), scene))
+    return sorted(tried + waiting, key=lambda ground: -ground.rank)[:MOST_CANDIDATES]
 
 
 def _on_plane(scene: SeenScene, plane: Plane, belief: float, up: UpEstimate) -> Ground:
@@ -353,6 +357,10 @@ def _on_plane(scene: SeenScene, plane: Plane, belief: float, up: UpEstimate) -> 
 
 def foot_ground(scene: SeenScene, up: UpEstimate, floor_m: float = 0.0) -> Ground:
     """A level at the foot of what was mapped, `floor_m` above it."""
+    return _in_the_open(_foot_ground(scene, up, floor_m), scene)
+
+
+def _foot_ground(scene: SeenScene, up: UpEstimate, floor_m: float = 0.0) -> Ground:
     direction, how = scene.gravity or (
         up.direction,
         "up being guessed from how the camera was held and moved, and from lines it saw",
@@ -400,10 +408,7 @@ def _fitted(
     seen_from, points = plane_T_world @ scene.path.motors, plane_T_world.apply(scene.points)
     height_m, place, seen = ground.height_m, ground.position_m, 0.0
     for attempt in range(2):
-        unhidden = partial(
-            share_unhidden, scene.views, height_m=height_m, world_T_plane=ground.world_T_plane
-        )
-        place, seen = best_place(outline, height_m, camera, seen_from, points, noise_m, unhidden)
+        place, seen = best_place(outline, height_m, camera, seen_from, points, noise_m)
         tall_m = tall_at(place, camera, seen_from)
         if attempt or height_m == FLOOR_HEIGHT_M:
             break
@@ -418,6 +423,26 @@ def _fitted(
         outline_m=outline,
         rank=share * seen,
     )
+
+
+def _in_the_open(ground: Ground, scene: SeenScene) -> Ground:
+    """The ground with a place where the views show nothing before the figure, if there is one."""
+    camera, outline, views = scene.recording.camera, ground.outline_m, scene.views
+    if camera is None or outline is None or views is None or ground.rank == 0.0:
+        return ground
+    plane_T_world, height_m = ground.world_T_plane.inverse(), ground.height_m
+    seen_from, points = plane_T_world @ scene.path.motors, plane_T_world.apply(scene.points)
+    before = share_seen(np.array([ground.position_m]), height_m, camera, seen_from, points)[0]
+    place, seen = best_place(
+        outline,
+        height_m,
+        camera,
+        seen_from,
+        points,
+        _POINT_NOISE * scene.depth_m,
+        partial(share_unhidden, views, height_m=height_m, world_T_plane=ground.world_T_plane),
+    )
+    return replace(ground, position_m=place, rank=ground.rank * seen / float(before))
 
 
 def _highest(scene: SeenScene, world_T_plane: Motor) -> float:

@@ -43,14 +43,12 @@ def scene_views(recording: Recording, path: Trajectory, pinhole: Camera) -> Scen
 
 
 def share_unhidden(
-    views: SceneViews | None, place: FloatArray, height_m: float, world_T_plane: Motor
+    views: SceneViews, place: FloatArray, height_m: float, world_T_plane: Motor
 ) -> float:
     """How much of a character on a place ``(2,)`` of a plane nothing hides, over some views.
 
     1 where no view can tell.
     """
-    if views is None:
-        return 1.0
     ends = [-_HALF_WIDE * height_m, _HALF_WIDE * height_m]
     box = [[place[0] + x, place[1] + y, z] for x in ends for y in ends for z in (0.0, height_m)]
     hull_m = world_T_plane.apply(np.array(box))

@@ -106,3 +106,18 @@ def test_from_any_height_it_is_no_speck_and_no_giant(
 def test_a_fifth_of_the_image() -> None:
     look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
     assert tall_at((1.0, 0.0), CAMERA, look) == pytest.approx(0.2 * 240 * 6.0 / 300.0)
+
+
+def test_of_places_seen_alike_one_that_nothing_hides_is_taken() -> None:
+    look = level(np.tile([-5.0, 0.0, 0.8], (5, 1)))
+    free, seen = best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0)
+
+    def unhidden(place: FloatArray) -> float:
+        return 0.2 if np.linalg.norm(place - free) < 0.4 * HEIGHT_M else 0.95
+
+    other, still_seen = best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0, unhidden)
+    assert np.linalg.norm(np.subtract(other, free)) > 0.4 * HEIGHT_M
+    assert still_seen > 0.5 * seen
+    nowhere = best_place(OUTLINE, HEIGHT_M, CAMERA, look, NOTHING, 0.0, lambda place: 0.3)
+    assert nowhere[0] == free
+    assert nowhere[1] == pytest.approx(0.3 * seen)
