@@ -15,8 +15,8 @@ from motorcade.ga.arrays import FloatArray
 _WINDOW_S = 0.5
 _QUIET_SHARE = 0.02
 _FEWEST_QUIET = 2
-GRAVITY_UNITS = ((1.0, "g", 9.80665), (1000.0, "milli-g", 9.80665e-3), (32.174, "ft/s²", 0.3048))
-"""Size of gravity, what a unit that gives it is called, and what one of it is in m/s²."""
+# Size of gravity, what a unit that gives it is called, and what one of it is in m/s².
+_GRAVITY_UNITS = ((1.0, "g", 9.80665), (1000.0, "milli-g", 9.80665e-3), (32.174, "ft/s²", 0.3048))
 # Rates and forces are compared in means of this length.
 _TURN_WINDOW_S = 0.1
 # Deviations that the regression's slope must be from chance.
@@ -65,13 +65,20 @@ def refuse_units_of_force(imu: ImuStream) -> float | None:
         ValueError: naming the unit in which it is gravity's, and the factor that mends it.
     """
     felt = _felt_at_rest(imu)
-    for size, unit, factor in GRAVITY_UNITS:
-        if felt is not None and abs(felt / size - 1.0) < GRAVITY_SHARE:
-            raise ValueError(
-                f"specific_force_m_s2: expected about {STANDARD_GRAVITY_M_S2} at rest, got "
-                f"{felt:.4g}, which is gravity in {unit}; multiply by {factor:g}"
-            )
+    if felt is not None and (named := gravity_in_unit(felt)):
+        raise ValueError(
+            f"specific_force_m_s2: expected about {STANDARD_GRAVITY_M_S2} at rest, got "
+            f"{felt:.4g}, {named}"
+        )
     return felt
+
+
+def gravity_in_unit(felt: float) -> str:
+    """The unit in which a size is that of gravity, with its mend; "" where it is in none."""
+    for size, unit, factor in _GRAVITY_UNITS:
+        if abs(felt / size - 1.0) < GRAVITY_SHARE:
+            return f"which is gravity in {unit}; multiply by {factor:g}"
+    return ""
 
 
 def refuse_movement(imu: ImuStream) -> None:

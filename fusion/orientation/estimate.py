@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.fusion.imu.noise import ADIS16448, ImuNoise
-from motorcade.fusion.imu.screening import GRAVITY_UNITS
+from motorcade.fusion.imu.screening import gravity_in_unit
 from motorcade.fusion.imu.stream import GRAVITY_SHARE, ImuStream
 from motorcade.fusion.orientation.native import _orientation
 from motorcade.fusion.orientation.native._orientation import Settings
@@ -376,12 +376,8 @@ def orientation_doubts(
 
 
 def _wrong_gravity(up: float, gravity: float) -> str:
-    for size, unit, factor in GRAVITY_UNITS:
-        if abs(up / size - 1.0) < GRAVITY_SHARE:
-            return (
-                f"specific force averages to {up:.4g} upwards, which is gravity in {unit}; "
-                f"multiply by {factor:g}"
-            )
+    if named := gravity_in_unit(up):
+        return f"specific force averages to {up:.4g} upwards, {named}"
     return (
         f"specific force averages to {up:.3g} m/s² upwards, expected {gravity:g}: without gravity "
         "there is no tilt; give the accelerometer's readings as they are"

@@ -83,19 +83,16 @@ def offset_by_rotations(
         steps, rate = _gyroscope(imu, camera.time_ns + round(offset_s * 1e9), gyro_bias_rad_s)
         measured = (camera.motors.rotor @ imu_R_camera.inverse()).as_matrix()
         rows = [
-            _Rows.of(camera.time_ns[k], measured[k], steps[k[:-1]], rate[k], weight)
+            (*_rows(camera.time_ns[k], measured[k], steps[k[:-1]], rate[k], weight), weight)
             for k, weight in zip(blocks, weights, strict=True)
         ]
-        solved = _solved(rows, weights)
-        weights = solved.weights
-        step = float(np.clip(solved.step[0], -_LARGEST_STEP_S, _LARGEST_STEP_S))
-        offset_s += step
-        imu_R_camera = Rotor.from_rotation_vector(solved.step[1:]) @ imu_R_camera
-        if abs(step) < _SETTLED_S:
+        step, white_s, scattered_s, weights = _solved(rows)
+        step_s = float(np.clip(step[0], -_LARGEST_STEP_S, _LARGEST_STEP_S))
+        offset_s += step_s
+        imu_R_camera = Rotor.from_rotation_vector(step[1:]) @ imu_R_camera
+        if abs(step_s) < _SETTLED_S:
             break
-    assert solved is not None
-    sigma_s = max(solved.white_s, solved.scattered_s)
-    return RotationOffset(offset_s, sigma_s, solved.white_s)
+    return RotationOffset(offset_s, max(white_s, scattered_s), white_s)
 
 
 def _blocks(time_ns: IntArray) -> list[IntArray]:
@@ -105,36 +102,30 @@ def _blocks(time_ns: IntArray) -> list[IntArray]:
     return [rows for rows in blocks if len(rows) >= _FEWEST]
 
 
-@dataclass(frozen=True, eq=False)
-class _Rows:
-    """One block, its drift taken out.
+def _rows(
+    stamps: IntArray,
+    measured: FloatArray,
+    steps: FloatArray,
+    rate: FloatArray,
+    weight: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """What a block of N poses tells, less what its drift explains.
 
-    Fields:
-        left: ``(N, 3)`` rad from the gyroscope's orientations to the measured ones.
-        shared: ``(N, 3, 4)`` how it falls with the offset and the extrinsics' rotation.
-        drift: ``(N, 3)`` columns of what is free, of each axis.
+    Residuals ``(N, 3)``, rad from the gyroscope's orientations to the measured ones, and how they
+    fall with the offset and the extrinsics' rotation ``(N, 3, 4)``.
     """
-
-    left: FloatArray
-    shared: FloatArray
-    drift: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        stamps: IntArray,
-        measured: FloatArray,
-        steps: FloatArray,
-        rate: FloatArray,
-        weight: FloatArray,
-    ) -> _Rows:
-        block_R_imu = _chained(steps)
-        apart = measured @ block_R_imu.swapaxes(-1, -2)
-        u, _, vt = np.linalg.svd(np.einsum("n,nij->ij", weight, apart))
-        mean = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
-        left = Rotor.from_matrix(mean.T @ apart).as_rotation_vector()
-        slopes = np.concatenate([block_R_imu @ rate[..., None], block_R_imu], axis=-1)
-        return cls(left, slopes, _drift(stamps))
+    block_R_imu = _chained(steps)
+    apart = measured @ block_R_imu.swapaxes(-1, -2)
+    u, _, vt = np.linalg.svd(np.einsum("n,nij->ij", weight, apart))
+    mean = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    left = Rotor.from_matrix(mean.T @ apart).as_rotation_vector()
+    columns = left[..., None], block_R_imu @ rate[..., None], block_R_imu
+    values = np.concatenate(columns, axis=-1).reshape(len(stamps), -1)
+    drift = _drift(stamps)
+    weighted = drift.T * weight
+    fitted = drift @ np.linalg.solve(weighted @ drift, weighted @ values)
+    free = (values - fitted).reshape(len(stamps), 3, -1)
+    return free[..., 0], free[..., 1:]
 
 
 def _gyroscope(imu: ImuStream, stamps: IntArray, bias: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -159,36 +150,29 @@ def _chained(steps: FloatArray) -> FloatArray:
     return np.array(chained)
 
 
-@dataclass(frozen=True, eq=False)
-class _Step:
-    """A step of offset and rotation, deviations of the offset, weights of the poses."""
+def _solved(
+    rows: list[tuple[FloatArray, FloatArray, FloatArray]],
+) -> tuple[FloatArray, float, float, list[FloatArray]]:
+    """Least squares over blocks of residuals, slopes and weights.
 
-    step: FloatArray
-    white_s: float
-    scattered_s: float
-    weights: list[FloatArray]
-
-
-def _solved(rows: list[_Rows], weights: list[FloatArray]) -> _Step:
-    """Least squares, the drift of each block eliminated."""
-    pairs = [
-        (*_without_drift(own, weight), weight) for own, weight in zip(rows, weights, strict=True)
-    ]
-    matrices = np.array([np.einsum("n,nij,nik->jk", w, a, a) for _, a, w in pairs])
+    The step of offset and rotation; two deviations of the offset, were errors independent and by
+    what blocks differ by; new weights.
+    """
+    matrices = np.array([np.einsum("n,nij,nik->jk", w, a, a) for _, a, w in rows])
     total = np.sum(matrices, axis=0)
     total += np.diag([0.0, *[_HELD * float(np.trace(total))] * 3])
     inverse = np.linalg.inv(total)
-    step = inverse @ np.sum([np.einsum("n,nij,ni->j", w, a, r) for r, a, w in pairs], axis=0)
-    left = [r - a @ step for r, a, _ in pairs]
+    step = inverse @ np.sum([np.einsum("n,nij,ni->j", w, a, r) for r, a, w in rows], axis=0)
+    left = [r - a @ step for r, a, _ in rows]
     squares = [np.sum(residuals**2, axis=-1) for residuals in left]
     together = np.concatenate(squares)
     # Of N poses, a block's drift takes three.
     kept = 1.0 - _DRIFT * len(rows) / len(together)
     scale = max(float(np.median(together)) / _MEDIAN_CHI2 / kept, np.finfo(float).tiny)
     scores = np.array(
-        [np.einsum("n,nij,ni->j", w, a, e) for (_, a, w), e in zip(pairs, left, strict=True)]
+        [np.einsum("n,nij,ni->j", w, a, e) for (_, a, w), e in zip(rows, left, strict=True)]
     )
-    return _Step(
+    return (
         step,
         float(np.sqrt(scale * inverse[0, 0])),
         _jackknife(total, matrices, scores),
@@ -203,13 +187,3 @@ def _jackknife(total: FloatArray, matrices: FloatArray, scores: FloatArray) -> f
         return 0.0
     moved = np.linalg.solve(total - matrices, scores[..., None])[:, 0, 0]
     return float(np.sqrt((count - 1.0) / count * np.sum(moved**2)))
-
-
-def _without_drift(rows: _Rows, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Residuals ``(N, 3)`` and slopes ``(N, 3, 4)`` less what the drift explains of them."""
-    count = len(weight)
-    values = np.concatenate([rows.left[..., None], rows.shared], axis=-1).reshape(count, -1)
-    weighted = rows.drift.T * weight
-    fitted = rows.drift @ np.linalg.solve(weighted @ rows.drift, weighted @ values)
-    free = (values - fitted).reshape(count, 3, -1)
-    return free[..., 0], free[..., 1:]
