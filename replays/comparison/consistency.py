@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -56,6 +57,7 @@ PARTS: Mapping[str, slice] = MappingProxyType(
     }
 )
 """What is judged apart: places in the error of 15 numbers."""
+_SQUARES = (*(f"nees_{part}" for part in PARTS), "nis")
 
 # Deviations of the true biases, those of the filter's prior.
 _GYRO_BIAS_RAD_S, _ACCEL_BIAS_M_S2 = 0.1, 0.5
@@ -192,16 +194,10 @@ def judge(simulated: Simulated, experiment: Experiment, name: str) -> Judged:
 
 def _on_motors(simulated: Simulated, experiment: Experiment) -> Estimates:
     """The filter itself, run by run."""
+    settings = experiment.settings()
+    plain = partial(fuse, settings=settings, smoothed=False, fits_noise=False)
     each = [
-        fuse(
-            measured,
-            imu,
-            experiment.noise,
-            Motor.identity(),
-            settings=experiment.settings(),
-            smoothed=False,
-            fits_noise=False,
-        )
+        plain(measured, imu, experiment.noise, Motor.identity())
         for measured, imu in simulated.recorded
     ]
     states = [
@@ -372,14 +368,13 @@ def as_json(plan: ConsistencyPlan, verdicts: Mapping[str, Mapping[str, Verdict]]
 
 def as_table(figures: Mapping[str, Any]) -> str:
     """The figures of `as_json` as aligned text: shares of steps within the bounds, and errors."""
-    judged = [*(f"nees_{part}" for part in PARTS), "nis"]
     heads = (*PARTS, "NIS", "rotation", "worst", "position", "left out")
     lines = [
         f"steps within the 95 % bounds of {figures['runs']} runs of {figures['duration_s']:g} s",
         f"{'':<34}" + "".join(f"{head:>10}" for head in heads),
     ]
     for row in figures["rows"]:
-        shares = "".join(f"{100 * row[f'{name}_share_within']:>8.1f} %" for name in judged)
+        shares = "".join(f"{100 * row[f'{name}_share_within']:>8.1f} %" for name in _SQUARES)
         errors = (
             f"{row['rotation_rmse_deg']:>9.3g}°{row['rotation_worst_deg']:>9.3g}°"
             f"{1e3 * row['position_rmse_m']:>7.3g} mm{row['left_out']:>10}"
@@ -491,8 +486,7 @@ def write_page(
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
     """A row of the table: shares within and averages over what is expected, then errors."""
-    judged = [f"nees_{part}" for part in PARTS] + ["nis"]
-    shares = [float(row[f"{name}_share_within"]) for name in judged]
+    shares = [float(row[f"{name}_share_within"]) for name in _SQUARES]
     position_mm = 1e3 * float(row["position_rmse_m"])
     return {
         "motion": row["motion"],
@@ -501,7 +495,7 @@ def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
             PageCell(f"{100 * share:.1f} %", share, "b2" if _GOOD[0] <= share <= _GOOD[1] else "o3")
             for share in shares
         ],
-        "ratios": [_figure(row[f"{name}_over_expected"]) for name in judged],
+        "ratios": [_figure(row[f"{name}_over_expected"]) for name in _SQUARES],
         "errors": [
             _figure(row["rotation_rmse_deg"], "°"),
             _figure(row["rotation_worst_deg"], "°"),

@@ -37,11 +37,7 @@ from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import METHODS, smooth
 from motorcade.ga import Motor, Trajectory, blend
-from motorcade.replays.comparison.evaluator import (
-    PathEvaluator,
-    RecordedTruth,
-    digest_of,
-)
+from motorcade.replays.comparison.evaluator import PathEvaluator, RecordedTruth, digest_of
 from motorcade.replays.comparison.plan import (
     COMPARED,
     ComparisonCell,

@@ -24,7 +24,7 @@ drawn anew to tell how far ranks can be trusted. Only what has a result in every
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -236,23 +236,16 @@ def rankings(groups: Sequence[Group]) -> list[dict[str, Any]]:
     `rank_low` and `rank_high` bound the rank in 95 % of the resamples; `ties_with_best` says that
     the paired interval of the difference from the first contains 0, or its mean is below 1 %.
     """
-    tables = []
-    for scope, chosen in _scopes(groups):
-        names, scores, unranked = _scores(chosen)
-        if not names:
-            continue
-        counts = _resampled(chosen)
-        for k, metric in enumerate(RANKED):
-            rows = _ranked(names, scores[:, :, k], counts)
-            tables.append(
-                {
-                    "scope": scope,
-                    "metric": metric,
-                    "rows": rows,
-                    "unranked": [list(name) for name in unranked],
-                }
-            )
-    return tables
+    return [
+        {
+            "scope": scope,
+            "metric": metric,
+            "rows": _ranked(names, scores[:, :, k], counts),
+            "unranked": [list(name) for name in unranked],
+        }
+        for scope, names, scores, unranked, counts in _ranked_scopes(groups)
+        for k, metric in enumerate(RANKED)
+    ]
 
 
 def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
@@ -261,11 +254,7 @@ def ratios_to_motor(groups: Sequence[Group]) -> list[dict[str, Any]]:
     For every method and, as method "all", over those that are complete in every representation.
     """
     rows = []
-    for scope, chosen in _scopes(groups):
-        names, scores, unranked = _scores(chosen)
-        if not names:
-            continue
-        counts = _resampled(chosen)
+    for scope, names, scores, unranked, counts in _ranked_scopes(groups):
         at = {name: i for i, name in enumerate(names)}
         parts: dict[str, list[FloatArray]] = {}
         partly = {method for method, _ in unranked}
@@ -292,6 +281,17 @@ def _scopes(groups: Sequence[Group]) -> list[tuple[str, list[Group]]]:
     return scopes
 
 
+def _ranked_scopes(
+    groups: Sequence[Group],
+) -> Iterator[tuple[str, list[Name], FloatArray, list[Name], FloatArray]]:
+    """Scopes in which something is complete, with `_scores` and how often rows are drawn."""
+    for scope, chosen in _scopes(groups):
+        names, scores, unranked = _scores(chosen)
+        if names:
+            counts = resampling(len(chosen[0].seeds), len(_motions(chosen)))
+            yield scope, names, scores, unranked, counts
+
+
 def _scores(groups: Sequence[Group]) -> tuple[list[Name], FloatArray, list[Name]]:
     """Names, logarithms of scores ``(M * S, P, 5)``, and the names that are not complete.
 
@@ -316,10 +316,6 @@ def _scores(groups: Sequence[Group]) -> tuple[list[Name], FloatArray, list[Name]
     whole = np.all(np.isfinite(total), axis=(0, 2))
     kept = [name for name, good in zip(names, whole, strict=True) if good]
     return kept, total[:, whole], [n for n, good in zip(names, whole, strict=True) if not good]
-
-
-def _resampled(groups: Sequence[Group]) -> FloatArray:
-    return resampling(len(groups[0].seeds), len(_motions(groups)))
 
 
 def _motions(groups: Sequence[Group]) -> list[str]:

@@ -480,7 +480,7 @@ def exact_ties(results: Results) -> list[dict[str, Any]]:
     for theory in dict.fromkeys(one["theory"] for one in ties):
         of = [one for one in ties if one["theory"] == theory]
         largest = {
-            unit: max((one[f"largest_difference_{unit}"] or 0.0 for one in of), default=0.0)
+            unit: max(row[f"largest_difference_{unit}"] or 0.0 for row in of)
             for unit in ("m", "rad")
         }
         rows.append(

@@ -187,11 +187,9 @@ def _over_time(results: Results, motion: str) -> list[tuple[str, list[PagePlot]]
 def _facts(results: Results) -> list[tuple[str, str]]:
     seeds = len(results.document["plan"]["test_seeds"])
     places = len(results.places())
+    smoothers = f"{len(results.methods)} × {len(results.representations)}"
     return [
-        (
-            "smoothers: methods × representations",
-            f"{len(results.methods)} × {len(results.representations)}",
-        ),
+        ("smoothers: methods × representations", smoothers),
         ("motions × degradations", f"{len(results.motions)} × {len(results.degradations)}"),
         (f"test {results.drawn_from} a place", str(seeds)),
         ("paths to smooth", f"{places * seeds:,}"),
@@ -424,8 +422,8 @@ def _named(motions: list[str], of: int) -> str:
 
 def _extreme(motions: list[str], ratios: Mapping[str, Ratio]) -> str:
     far = sorted(motions, key=lambda motion: -abs(math.log(ratios[motion].value)))
-    most = f"most on {far[0]}, {shown(ratios[far[0]].value)} times"
-    return most if len(far) > 1 else f"{far[0]}, {shown(ratios[far[0]].value)} times"
+    text = f"{far[0]}, {shown(ratios[far[0]].value)} times"
+    return f"most on {text}" if len(far) > 1 else text
 
 
 def _wins(results: Results) -> Iterator[str]:
@@ -441,11 +439,8 @@ def _wins(results: Results) -> Iterator[str]:
     for name in results.representations:
         if name in best:
             _, (motion, degradation, method, _, metric), figure = best[name]
-            metric_text = METRICS[metric]
-            ours, theirs = (
-                shown(metric_text.factor * value)
-                for value in (figure.mean, figure.mean - figure.versus_motor)
-            )
+            metric_text, motors = METRICS[metric], figure.mean - figure.versus_motor
+            ours, theirs = (shown(metric_text.factor * value) for value in (figure.mean, motors))
             unit = metric_text.unit if metric_text.unit == "°" else f" {metric_text.unit}"
             yield (
                 f"`{name}`: {metric_text.heading} of `{method}` on "
@@ -471,9 +466,8 @@ def _artifacts(results: Results) -> Iterator[str]:
         if not places[worst] > 1.5 * base:
             continue
         turns = results.figures[motion, degradation, method, name, "spurious_turns"].mean
-        also = (
-            f", with {shown(turns, 2)} full revolutions a path that never happened" if turns else ""
-        )
+        never = f", with {shown(turns, 2)} full revolutions a path that never happened"
+        also = never if turns else ""
         yield (
             f"Worst place of `{name}`: `{method}` on {motion} with {LABELS[degradation]} turns at "
             f"{shown(places[worst])} times the true peak rate{also}; on motors at {shown(base)} "
@@ -538,12 +532,10 @@ def _name(row: Mapping[str, str]) -> str:
 
 
 def _left(row: Mapping[str, Any]) -> str:
-    share = percent(row["ratio_to_raw"])
+    share = f"{percent(row['ratio_to_raw'])} of the raw poses'"
     if row["ratio_low"] is None:
-        return f"{share} of the raw poses'"
-    return (
-        f"{share} of the raw poses' ({percent(row['ratio_low'])} to {percent(row['ratio_high'])})"
-    )
+        return share
+    return f"{share} ({percent(row['ratio_low'])} to {percent(row['ratio_high'])})"
 
 
 def _some(names: list[str]) -> str:
