@@ -458,8 +458,7 @@ def fit(
     values = start
     left = target - slope @ values
     square = np.sum(left**2, axis=-1)
-    held = sigma is not None
-    scale = sigma**2 if sigma is not None else float(np.median(square)) / 3.0
+    scale = float(np.median(square)) / 3.0 if sigma is None else sigma**2
     scale = max(scale, _SMALLEST**2)
     flat = slope.reshape(3 * count, -1)
     score = -np.inf
@@ -471,7 +470,7 @@ def fit(
         values = np.linalg.solve(matrix, vector)
         left = target - slope @ values
         square = np.einsum("na,na->n", left, left)
-        if not held:
+        if sigma is None:
             scale = max(float(weight @ square) / (3.0 * count), _SMALLEST**2)
         before, score = score, _score(square, scale, precision * (values - mean) ** 2)
         if score - before < _SETTLED:

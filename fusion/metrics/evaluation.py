@@ -295,7 +295,9 @@ def evaluate_matched(
     trans, rot, *others = _relative(ours, true, delta, relations)
     checked_positive(rpe_length_m, "rpe_length_m")
     far_trans, far_rot = _relative(ours, true, Delta(rpe_length_m, "m"))
-    above_hz = _cutoff_hz(energy_above_hz, aligned)
+    above_hz = checked_positive(energy_above_hz, "energy_above_hz")
+    if len(aligned) > 1:
+        above_hz = min(above_hz, 0.25 / float(np.median(np.diff(aligned.time_s))))
     constant_rad, rest_rad = constant_rotation(ours, true)
     apart_m = ours.translation_m - true.translation_m
     x_m, y_m, z_m = np.sqrt(np.mean(apart_m**2, axis=0)).tolist()
@@ -377,13 +379,6 @@ def _flat_drift(drift: Sequence[Drift]) -> dict[str, float | int | str | None]:
         flat[f"drift_{key}"] = whole / count if count else None
         flat |= {f"drift_{length:g}m_{key}": value for length, value in each.items()}
     return flat
-
-
-def _cutoff_hz(wanted_hz: float, estimate: Trajectory) -> float:
-    checked_positive(wanted_hz, "energy_above_hz")
-    if len(estimate) < 2:
-        return wanted_hz
-    return min(wanted_hz, 0.25 / float(np.median(np.diff(estimate.time_s))))
 
 
 def _if_observable(figure: Callable[[], T]) -> T | None:

@@ -136,9 +136,8 @@ def _inner(
     if not 0.0 < max_lag_s <= _MOST_LAG_S:
         raise ValueError(f"max_lag_s: expected above 0 and up to {_MOST_LAG_S:g}, got {max_lag_s}")
     first, last = path.span_s
-    overlap = min(last, float(end_s.max(initial=first))) - max(
-        first, float(start_s.min(initial=last))
-    )
+    begin = max(first, float(start_s.min(initial=last)))
+    overlap = min(last, float(end_s.max(initial=first))) - begin
     limit_s = min(max_lag_s, 0.25 * overlap)
     kept = (start_s >= first + limit_s) & (end_s <= last - limit_s) & path.covers(start_s)
     count = np.count_nonzero(kept)

@@ -379,7 +379,8 @@ def _add_beliefs(equations: Bordered, now: Shared, start: Shared, beliefs: Belie
     slope[7, GRAVITY] = now.gravity_m_s2 / size
     sigma = beliefs.sigma[[0, 1, 2, 3, 4, 5, 6, 7, 10]]
     known = (sigma > 0.0) & np.isfinite(sigma)
-    equations.add_shared_prior(error[known] / sigma[known], slope[known] / sigma[known, None])
+    white = error[known] / sigma[known], slope[known] / sigma[known, None]
+    equations.add_shared(white[0][None], white[1][None])
 
 
 def _stepped(state: Aligned, solved: Solved, rate: FloatArray) -> Aligned:

@@ -76,7 +76,7 @@ class Bordered:
         """Residuals ``(N, r)`` with derivatives ``(N, r, s)`` and ``(N, r, g)``, white."""
         self._own += _product(own, own)
         self._border += _product(own, shared)
-        self._add_shared(residual, shared)
+        self.add_shared(residual, shared)
         self._pull -= _product(own, residual[..., None])[..., 0]
 
     def add_intervals(
@@ -111,9 +111,10 @@ class Bordered:
         self._own[state, index, index] += 1.0 / sigma**2
         self._pull[state, index] -= error / sigma**2
 
-    def add_shared_prior(self, residual: FloatArray, derivative: FloatArray) -> None:
-        """Residuals ``(r,)`` of the shared unknowns alone, ``(r, g)``, white."""
-        self._add_shared(residual[None], derivative[None])
+    def add_shared(self, residual: FloatArray, shared: FloatArray) -> None:
+        """Residuals ``(n, r)`` of the shared unknowns alone, ``(n, r, g)``, white."""
+        self._shared += np.sum(_product(shared, shared), axis=0)
+        self._shared_pull -= np.sum(_product(shared, residual[..., None])[..., 0], axis=0)
 
     def solve(self, free: NDArray[np.bool_]) -> Solved:
         """The minimum with the shared unknowns outside the mask `free` ``(g,)`` held.
@@ -142,10 +143,6 @@ class Bordered:
         follow = np.zeros((*self._pull.shape, len(free)))
         follow[..., free] = solved[..., 1:]
         return Solved(solved[..., 0] - solved[..., 1:] @ step, shared, full, follow, factor)
-
-    def _add_shared(self, residual: FloatArray, shared: FloatArray) -> None:
-        self._shared += np.sum(_product(shared, shared), axis=0)
-        self._shared_pull -= np.sum(_product(shared, residual[..., None])[..., 0], axis=0)
 
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -53,6 +53,9 @@ class KeyframeMotion:
     bias: FloatArray
 
 
+_AT_REST = KeyframeMotion(np.zeros(3), np.zeros(6))
+
+
 @dataclass(frozen=True, eq=False)
 class _State:
     """Poses and points as the bundle has them; velocities ``(k, 3)`` and biases ``(k, 6)``."""
@@ -105,13 +108,11 @@ class InertialAdjuster:
         if np.count_nonzero(bundle.fixed) <= 1 and np.argmin(time_ns) == 0:
             bundle = replace(bundle, fixed=np.zeros_like(bundle.fixed))
         chain = _chained(bundle, time_ns)
-        velocity, bias = np.zeros((len(time_ns), 3)), np.zeros((len(time_ns), 6))
         for row in chain:
             self.motions[int(time_ns[row])] = self._motion(bundle, time_ns, int(row), chain)
-        for row, stamp in enumerate(time_ns.tolist()):
-            if stamp in self.motions:
-                known = self.motions[stamp]
-                velocity[row], bias[row] = known.velocity_m_s, known.bias
+        motions = [self.motions.get(stamp, _AT_REST) for stamp in time_ns.tolist()]
+        velocity = np.stack([motion.velocity_m_s for motion in motions])
+        bias = np.stack([motion.bias for motion in motions])
         problem = _Problem(self, bundle, time_ns, chain, bias)
         start = _State(bundle.world_T_camera, bundle.points, velocity, bias)
         minimum = minimise(start, problem.evaluated, problem.retracted, Stop(iterations, _GAIN))
@@ -135,7 +136,7 @@ class InertialAdjuster:
             return known
         place = int(np.searchsorted(chain, row))
         if place == 0:
-            return KeyframeMotion(np.zeros(3), np.zeros(6))
+            return _AT_REST
         before = int(chain[place - 1])
         last = self.motions[int(time_ns[before])]
         span = time_ns[[before, row]]
@@ -185,7 +186,7 @@ class _Problem:
         self.free = np.flatnonzero(~bundle.fixed)
         self.slot = np.full(len(time_ns), -1)
         self.slot[self.free] = np.arange(len(self.free))
-        self.prior = _Prior.of(self, bias, adjuster.sigma_px)
+        self.prior = _Prior.of(self, adjuster.sigma_px)
         self.later_s: FloatArray | None = None
         if adjuster.readout is not None:
             self.later_s = adjuster.readout.later_s(bundle.px)
@@ -216,9 +217,10 @@ class _Problem:
 class _Prior:
     """What is known of the first pose of the chain, if it is free: place, heading, about its lean.
 
-    Args:
+    Fields:
         row: of the bundle, -1 where the first pose is fixed.
-        pose, bias: about which; information: ``(15, 15)``, pose of the IMU, velocity, biases.
+        world_T_imu: about which pose.
+        information: ``(15, 15)``, pose of the IMU, velocity, biases.
     """
 
     row: int
@@ -226,7 +228,7 @@ class _Prior:
     information: FloatArray
 
     @classmethod
-    def of(cls, problem: _Problem, bias: FloatArray, sigma_px: float) -> _Prior:
+    def of(cls, problem: _Problem, sigma_px: float) -> _Prior:
         row = int(problem.chain[0])
         pose = problem.bundle.world_T_camera[row] @ problem.camera_T_imu
         if problem.bundle.fixed[row]:
