@@ -50,7 +50,7 @@ from motorcade.replays.comparison.plan import (
     why,
 )
 from motorcade.replays.comparison.statistics import Sample
-from motorcade.replays.comparison.tables import Outcome, write_tables
+from motorcade.replays.comparison.tables import write_tables
 from motorcade.replays.comparison.tuning import SearchPlace, Tuned, Tuning, run_tuning, tuned
 from motorcade.replays.engine.jobs import finished
 
@@ -80,8 +80,7 @@ def run_comparison(plan: ComparisonPlan, out: Path, executor: str = "local") -> 
     ]
     # Alone, one after another: they are timed.
     timed = finished(run_trait, {trait: asdict(trait) for trait in traits}, out, "local", "times")
-    outcome = Outcome(plan.as_dict(), samples, tuned, tuple(timed.values()), exact_ties())
-    return write_tables(outcome, out)
+    return write_tables(out, plan.as_dict(), samples, tuned, list(timed.values()), exact_ties())
 
 
 def _cells(
@@ -261,8 +260,7 @@ def compare_recorded(
         ],
     }
     places = {(name, _DEGRADATION, *pair): one for pair, one in tuned.items()}
-    outcome = Outcome(plan, tuple(samples), places, tuple(traits), exact_ties())
-    return write_tables(outcome, out)
+    return write_tables(out, plan, samples, places, traits, exact_ties())
 
 
 def _aligned(estimate: Trajectory, truth: Trajectory, align: Align) -> Trajectory:

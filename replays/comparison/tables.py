@@ -31,7 +31,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -88,40 +88,36 @@ _GROUPS = (
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """All that a comparison found; fields as in ``results.json``, `tuned` by its place."""
-
-    plan: Mapping[str, Any]
-    samples: tuple[Sample, ...]
-    tuned: Mapping[tuple[str, str, str, str], Tuned]
-    traits: tuple[Mapping[str, Any], ...]
-    exact_ties: Sequence[Mapping[str, Any]]
-
-
-def write_tables(outcome: Outcome, out: Path) -> dict[str, Any]:
+def write_tables(
+    out: Path,
+    plan: Mapping[str, Any],
+    samples: Sequence[Sample],
+    tuned: Mapping[tuple[str, str, str, str], Tuned],
+    traits: Sequence[Mapping[str, Any]],
+    exact_ties: Sequence[Mapping[str, Any]],
+) -> dict[str, Any]:
     """Write the three files, each whole or not at all; returns what ``results.json`` holds.
 
-    Raises OSError: a folder that cannot be written.
+    Arguments are its fields, `tuned` by its place. Raises OSError: a folder that cannot be written.
     """
-    groups = grouped(outcome.samples)
+    groups = grouped(samples)
     rows = [row for group in groups for row in _group_rows(group)]
-    write_csv(out / "cells.csv", _CELLS, _cell_rows(outcome.samples))
+    write_csv(out / "cells.csv", _CELLS, _cell_rows(samples))
     write_csv(out / "groups.csv", _GROUPS, rows)
     document = {
         "format": FORMAT,
         "motorcade": __version__,
         "python": platform.python_version(),
-        "plan": outcome.plan,
+        "plan": plan,
         "metrics": FLOORS,
         "ranges": {method: [asdict(one) for one in ranges] for method, ranges in RANGES.items()},
-        "parameters": [_parameters(place, one) for place, one in outcome.tuned.items()],
-        "traits": list(outcome.traits),
+        "parameters": [_parameters(place, one) for place, one in tuned.items()],
+        "traits": list(traits),
         "failures": [row for group in groups for row in _failures(group)],
         "verdicts": _counted(rows),
         "rankings": rankings(groups),
         "ratios_to_motor": ratios_to_motor(groups),
-        "exact_ties": list(outcome.exact_ties),
+        "exact_ties": list(exact_ties),
     }
     write_bytes(out / "results.json", (json.dumps(document, indent=1) + "\n").encode())
     return document

@@ -28,7 +28,7 @@ from motorcade.replays.comparison.report.page import findings, write_report
 from motorcade.replays.comparison.report.results import Results, range_ends
 from motorcade.replays.comparison.run import Trait, run_trait
 from motorcade.replays.comparison.statistics import Sample
-from motorcade.replays.comparison.tables import Outcome, write_tables
+from motorcade.replays.comparison.tables import write_tables
 from motorcade.replays.comparison.tuning import Tuned
 
 PLAN = ComparisonPlan(
@@ -65,7 +65,7 @@ def written(folder: Path, rename: Callable[[str], str]) -> Results:
         run_trait(Trait(PLAN.inputs("walk_and_look", "gaussian", 1), one)) for one in settings
     ]
     traits = [row | {"representation": rename(row["representation"])} for row in traits]
-    write_tables(Outcome(PLAN.as_dict(), tuple(samples), found, tuple(traits), TIES), folder)
+    write_tables(folder, PLAN.as_dict(), samples, found, traits, TIES)
     return Results.read(folder)
 
 
