@@ -150,8 +150,11 @@ def _ippe(
         used = min(which, count - 1)
         camera_T_world[which, :3, :3] = cv2.Rodrigues(rotations[used])[0]
         camera_T_world[which, :3, 3] = np.ravel(translations[used])
+    unknown = ~np.isfinite(camera_T_world).all(axis=(1, 2))  # square on along one axis, exactly
+    camera_T_world[unknown] = np.eye(4)
     poses = (camera_T_view @ Motor.from_matrix(camera_T_world)).inverse()
     errors = np.array([reprojection_px(corners, camera, pose) for pose in poses])
+    errors[unknown] = np.inf
     order = np.argsort(errors, kind="stable")
     return PlanarCandidates(poses[order], errors[order])
 
