@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.audit import DEPTH_ON_COLOUR_PX
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage
@@ -241,7 +242,8 @@ def edge_offset(grays: Sequence[GrayImage], depths_m: Sequence[DepthImage]) -> E
     reach = round(_REACH * width / shrunk)
     score, counts = np.zeros((len(_ZOOMS), 2 * reach + 1, 2 * reach + 1)), np.zeros(len(_ZOOMS))
     pixels = 0
-    for gray, depth_m in zip(grays, depths_m, strict=True):
+    both = zip(grays, depths_m, strict=True)
+    for gray, depth_m in track(both, "comparing depth with colour", len(grays)):
         slope = np.fft.rfft2(_slope(gray, shrunk))
         rows, columns = np.nonzero(_edges(depth_m))
         pixels += len(rows)

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.depth.cameras import DepthCamera, DepthImage
 from motorcade.tracking.depth.residuals import (
@@ -117,7 +118,7 @@ def adjust_rgbd(
     for frame in fixed:
         free[GLOBALS + 6 * frame : GLOBALS + 6 * frame + 6] = False
     state, problem = start, _Problem(start, surfaces, matches, pairs, prior, free)
-    for _ in range(_ROUNDS):
+    for _ in track(range(_ROUNDS), "laying depth on depth", _ROUNDS):
         minimum = minimise(state, problem.evaluate, problem.moved, _STOP)
         settled = minimum.start_cost - minimum.evaluation.cost <= 1e-3 * minimum.start_cost
         state = minimum.state
@@ -426,10 +427,8 @@ class RgbdFrames:
         """Of a map's keyframes and frames between; None with fewer than two that have depth."""
         own = np.flatnonzero(np.isin(snapshot.time_ns, path.time_ns))
         own = own[:: max(-(-len(own) // _MOST_FRAMES), 1)]
-        images = {
-            stamp: depth_at(stamp)
-            for stamp in np.union1d(snapshot.time_ns[own], between).astype(np.int64).tolist()
-        }
+        every = np.union1d(snapshot.time_ns[own], between).astype(np.int64).tolist()
+        images = {stamp: depth_at(stamp) for stamp in track(every, "reading depth", len(every))}
         stamps = np.array([stamp for stamp, one in images.items() if one is not None], np.int64)
         if len(stamps) < 2:
             return None

@@ -23,6 +23,7 @@ from functools import partial
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.self_calibration.bodies import (
     BodyFit,
     BodyObservations,
@@ -187,7 +188,7 @@ def choose_lens(seen: BodyObservations, start: BodyState, *, readout: bool) -> C
         readout: whether a rolling shutter is looked for.
     """
     tried: list[_Tried] = []
-    for kind in KINDS:
+    for kind in track(KINDS, "trying lenses", len(KINDS)):
         try:
             tried.append(_try_lens(seen, as_kind(start, kind), readout=readout))
         except SelfCalibrationError:  # corners beyond where it folds back

@@ -26,6 +26,7 @@ import numpy as np
 
 from motorcade.ga import Motor
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.cameras.camera import Camera
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.images import track_corners
@@ -198,7 +199,8 @@ def _first_map(frames: _Frames) -> tuple[SlamResult, Camera] | None:
 def _mapped(frames: _Frames, camera: Camera, least: float = _TRACKED_SHARE) -> SlamResult | None:
     """SLAM over all frames; None where it follows too few of them."""
     slam = VisualSlam(camera)
-    for stamp, image in zip(frames.time_ns.tolist(), frames.images, strict=True):
+    every = zip(frames.time_ns.tolist(), frames.images, strict=True)
+    for stamp, image in track(every, "mapping for the lens", len(frames.images)):
         slam.track(stamp, image)
     result = slam.finish()
     if result.trajectory is None or len(result.map.points) < _FEWEST_POINTS:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from motorcade.ga.progress import track
 from motorcade.tracking.boards.checkerboard import Checkerboard
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.images import shrunk
@@ -91,7 +92,8 @@ def checkerboard_seen(
         ValueError: not grey uint8 images.
     """
     small = [shrunk(checked_gray(image), _LONGEST_PX) for image in images]
-    grids = [_first(image, stated) for image in small]
+    every = track(small, "counting squares", len(small))
+    grids = [_first(image, stated) for image in every]
     for size in _for_second(grids):
         grids = [_better(grid, image, size) for grid, image in zip(grids, small, strict=True)]
     shown = [grid for grid in grids if grid is not None]

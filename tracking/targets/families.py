@@ -18,6 +18,7 @@ from functools import cache
 import numpy as np
 
 from motorcade.ga.arrays import FloatArray
+from motorcade.ga.progress import track
 from motorcade.tracking.checks import GrayImage, checked_gray
 from motorcade.tracking.images import shrunk
 from motorcade.tracking.markers.families import FAMILIES, layout
@@ -99,13 +100,15 @@ def families_seen(images: Sequence[GrayImage], *, whole: bool = False) -> tuple[
     searched = grays if whole else [shrunk(gray, SMALL_PX) for gray in grays]
     # The first are spread over all, so that they show what the clip shows.
     first = range(0, len(grays), -(-len(grays) // _FIRST)) if grays else range(0)
-    seen = [one for index in first for one in _exact(searched[index], index, _widest())]
+    tried = track(first, "reading all families", len(first))
+    seen = [one for index in tried for one in _exact(searched[index], index, _widest())]
     seen_families = _listed(_widest(), seen, len(first))
     clear = any(len(one.images) >= _MOSTLY * len(first) for one in seen_families)
     counted = {words_of(one.family) for one in seen_families}
     families = [one for one in _widest() if one in counted or not clear]
     others = sorted(set(range(len(grays))) - set(first))
-    seen += [one for index in others for one in _exact(searched[index], index, families)]
+    tried = track(others, "reading markers", len(others))
+    seen += [one for index in tried for one in _exact(searched[index], index, families)]
     return _listed(families, seen, len(grays))
 
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from motorcade.ga import progress
+from motorcade.ga import Motor, Rotor, progress
 from motorcade.replays.cli.main import _Lines, _Once
 from motorcade.replays.io.readers.tables import read_table
+from motorcade.tracking import Camera, Checkerboard, self_calibrate_board
+from motorcade.tracking.boards import BoardCorners
 
 
 class Terminal(io.StringIO):
@@ -145,3 +147,17 @@ def test_a_warning_is_told_once_and_above_the_bar(monkeypatch: pytest.MonkeyPatc
         "gap of 2 s",
         "gap of 3 s",
     ]
+
+
+def test_finding_a_camera_says_how_far_it_is(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "LINE_EVERY_S", -1.0)
+    camera, points = Camera(640, 480, 500.0, 500.0, 319.5, 239.5), Checkerboard(6, 5, 1.0).points_m
+    tilt = 0.4 * np.array([[np.sin(k), np.cos(k), 0.0] for k in range(10)])
+    turn = Rotor.from_rotation_vector(tilt) @ Rotor.from_rotation_vector([np.pi, 0.0, 0.0])
+    poses = Motor.from_rotor_translation(turn, np.tile([-2.5, -2.0, 10.0], (10, 1)))
+    px = camera.project(poses[:, None].apply(points))
+    views = [BoardCorners(np.arange(30), seen, points) for seen in px]
+    self_calibrate_board(views, (640, 480), 100_000_000 * np.arange(10))
+    assert "trying lenses: 1 of " in capsys.readouterr().err

@@ -4,7 +4,7 @@ import gtsam
 import numpy as np
 import pytest
 
-from motorcade.ga import Motor
+from motorcade.ga import Motor, progress
 from motorcade.tracking import Camera
 from motorcade.tracking.cameras.camera import project
 from motorcade.tracking.slam.mapping.adjustment import Bundle, adjust
@@ -71,3 +71,12 @@ def test_depth_holds_the_scale(rng: np.random.Generator, fixed: int) -> None:
     apart = ours.world_T_camera[4].translation_m - truth[4].translation_m
     assert np.linalg.norm(apart) < 0.01
     assert np.median(ours.error_px) < 0.6
+
+
+def test_a_whole_map_says_how_far_its_adjustment_is(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(progress, "LINE_EVERY_S", -1.0)
+    for steps, said in ((8, False), (20, True)):
+        adjust(_problem(rng, True)[0], steps)
+        assert ("adjusting the map: 1 of " in capsys.readouterr().err) == said

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
+from motorcade.ga.progress import track
 from motorcade.tracking.markers.corner_stream import CornerStream
 from motorcade.tracking.markers.disambiguate import MarkerObservations
 from motorcade.tracking.markers.mapping.adjust import (
@@ -345,8 +346,10 @@ def moving_markers(
     most = min(len(left) // 2, len(left) - 2)
     while len(moving) < most:
         others = without(few, moving)
+        worst = _worst(others, remap)
         errors = {
-            tried: _trial_px(without(others, [tried]), remap) for tried in _worst(others, remap)
+            tried: _trial_px(without(others, [tried]), remap)
+            for tried in track(worst, "leaving markers out", len(worst))
         }
         best = min(errors, key=lambda tried: errors[tried], default=None)
         if best is None:

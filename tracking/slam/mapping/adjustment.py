@@ -23,7 +23,7 @@ from motorcade.tracking.slam.geometry import BoolArray, lens_of
 
 _HUBER = 1.5
 _NEAREST = 1e-3  # depths below it, and behind the camera, count as it
-_GAIN = 1e-4
+_GAIN, _WINDOW_STEPS = 1e-4, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +97,14 @@ Adjuster = Callable[[Bundle, IntArray, int], AdjustedBundle]
 _State = tuple[Motor, FloatArray]
 
 
-def adjust(bundle: Bundle, iterations: int = 8) -> AdjustedBundle:
+def adjust(bundle: Bundle, iterations: int = _WINDOW_STEPS) -> AdjustedBundle:
     """Minimise Huber's loss of pixels and depths over the free poses and all points.
 
     With one fixed pose and no depths the scale is free; the damping then leaves it where it was.
     """
     start = bundle.world_T_camera, bundle.points
-    stop = Stop(steps=iterations, gain=_GAIN)
+    whole = "adjusting the map" if iterations > _WINDOW_STEPS else ""
+    stop = Stop(steps=iterations, gain=_GAIN, what=whole)
     minimum = minimise(start, partial(BundleReprojection, bundle), partial(_retract, bundle), stop)
     end = minimum.evaluation
     return AdjustedBundle(*minimum.state, end.error_px, end.cost, minimum.start_cost)
