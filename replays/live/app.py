@@ -44,8 +44,8 @@ from motorcade.replays.live.inertial import ImuSample
 from motorcade.replays.live.session import LivePlan, LiveSession
 from motorcade.replays.studio.access import HEADERS, MAX_EDITORS, Access, Doorkeeper, MessageRate
 from motorcade.replays.studio.app import KEPT, Shell, html
+from motorcade.replays.studio.messages import parsed
 from motorcade.replays.studio.serving import Listening, Notice, address_in_network, serve
-from motorcade.replays.studio.visitors import parsed
 from motorcade.tracking.checks import GrayImage
 
 if TYPE_CHECKING:
@@ -83,9 +83,8 @@ class CameraFrame:
 def read_frame(data: bytes) -> CameraFrame:
     """A frame of the bytes of a message.
 
-    Raises:
-        ValueError: another header, sizes out of bounds or not those of the bytes, a stamp or
-            readings that are none.
+    Raises ValueError: another header, sizes out of bounds or not those of the bytes, a stamp or
+    readings that are none.
 
     >>> from motorcade.replays.live.app import HEADER, read_frame
     >>> head = HEADER.pack(b"MLY2", 7, 1000.0, 80, 64, float("nan"), 1)
@@ -131,8 +130,7 @@ class BrowserClock:
     def stamp_ns(self, stamp_ms: float, now_s: float) -> int:
         """Where a stamp is put.
 
-        Raises:
-            ValueError: it is not later than the one before, or has jumped.
+        Raises ValueError: it is not later than the one before, or has jumped.
         """
         if self._first_ms is None:
             self._first_ms, self.now_s = stamp_ms, now_s
@@ -192,8 +190,7 @@ def serve_live(
     For others of the network it is served by https: by `listening.tls`, or a certificate that is
     made now, since browsers give no camera to a page of plain http.
 
-    Raises:
-        ValueError, OSError: as `LivePlan.open` and `studio.serving.serve`.
+    Raises ValueError, OSError: as `LivePlan.open` and `studio.serving.serve`.
     """
     session, frames = plan.open()
     kept = "" if plan.record is None else f"The session is kept in {plan.record}. "
@@ -324,7 +321,7 @@ class _Site:
         if films:
             if self._camera is not None:  # cut off, and not known to be: nobody waits for it
                 closing = self._camera.close(1013, "another browser films now")
-                self._closing = asyncio.create_task(_quietly(closing))
+                self._closing = asyncio.gather(closing, return_exceptions=True)
             self._camera, self._heard_s = socket, time.monotonic()
         else:
             self._viewers.append(viewer)
@@ -484,11 +481,6 @@ class _Site:
 
     def _work(self, act: Any) -> asyncio.Future[Any]:
         return asyncio.get_running_loop().run_in_executor(self._worker, act)
-
-
-async def _quietly(act: Awaitable[None]) -> None:
-    with suppress(RuntimeError, WebSocketDisconnect):
-        await act
 
 
 async def _hear(socket: WebSocket, take: Callable[[Mapping[str, Any]], Awaitable[str]]) -> None:

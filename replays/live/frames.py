@@ -75,9 +75,8 @@ def open_frames(source: str) -> Iterator[LiveFrame]:
             through the standard input (Matroska, MPEG-TS or YUV4MPEG), or a recording's path,
             which is played at its own pace.
 
-    Raises:
-        RecordingError: a path that holds no recording.
-        OSError: a device, stream or pipe that cannot be opened or says nothing.
+    Raises RecordingError: a path that holds no recording; OSError: a device, stream or pipe that
+    cannot be opened or says nothing.
 
     >>> from motorcade.replays.live import open_frames
     >>> next(open_frames("/dev/video99"))
@@ -97,8 +96,7 @@ def open_frames(source: str) -> Iterator[LiveFrame]:
 def kind_of(source: str) -> str:
     """What a source's name names: "device", "rtsp", "rtsps", "pipe" or "recording".
 
-    Raises:
-        ValueError: an address of another kind, which would be opened as whatever it says.
+    Raises ValueError: an address of another kind, which would be opened as whatever it says.
     """
     scheme, separator, _ = source.partition("://")
     if separator:

@@ -25,6 +25,7 @@ from motorcade.fusion import (
     Synchronised,
     synchronise,
 )
+from motorcade.fusion.imu.stream import upright
 from motorcade.ga import Motor, Rotor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.io.files import write_bytes
@@ -185,11 +186,7 @@ class InertialPoses:
 
     def _start(self, synchronised: Synchronised) -> None:
         """A filter by what synchronising told, fed with the last seconds."""
-        up = -synchronised.gravity_m_s2 / np.linalg.norm(synchronised.gravity_m_s2)
-        axis = np.cross(up, [0.0, 0.0, 1.0])
-        size = float(np.linalg.norm(axis))
-        unit = axis / size if size > 1e-9 else np.array([1.0, 0.0, 0.0])
-        turn = Rotor.from_rotation_vector(np.arctan2(size, up[2]) * unit)
+        turn = upright(synchronised.gravity_m_s2)
         self._level = Motor.from_rotor_translation(turn, np.zeros(3))
         sigma = np.sqrt(np.diag(synchronised.covariance))
         settings = FilterSettings(
@@ -239,10 +236,9 @@ class ImuFile:
 
     def close(self, synchronised: Synchronised | None) -> str:
         """End the file, and give the manifest's table of the IMU; "" where nothing tells it."""
-        if self._file is None:
-            return ""
-        self._file.close()
-        if synchronised is None:
+        if self._file is not None:
+            self._file.close()
+        if self._file is None or synchronised is None:
             return ""
         noise = kalibr_noise(synchronised.imu_noise)
         lines = "".join(f"{key}: {value!r}\n" for key, value in noise.items())

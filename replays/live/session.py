@@ -31,12 +31,13 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cv2
 import numpy as np
 
 from motorcade.animation import Character
+from motorcade.animation.authoring.pointing import DragPlane, Ray
 from motorcade.animation.behaviour import (
     Actor,
     Errand,
@@ -57,11 +58,8 @@ from motorcade.replays.live.tracker import FirstMarker, LivePose, LiveTracker, T
 from motorcade.replays.pipeline.look import gltf_bytes, shown_camera
 from motorcade.replays.pipeline.packing import packed, rows_of, scaled_rows
 from motorcade.replays.stages.view.acting import IDLE, character_named, rigid_clip
-from motorcade.replays.studio.visitors import number_of, pixels_of
+from motorcade.replays.studio.messages import number_of, pixels_of
 from motorcade.tracking import Board, Camera
-
-if TYPE_CHECKING:
-    from motorcade.replays.io.recording import Recording
 
 RATE_HZ = 30.0
 SMALLEST, LARGEST = 0.1, 10.0
@@ -74,24 +72,7 @@ _NEAREST = 0.05
 _KEPT = 16
 
 
-def on_ground(pixel: FloatArray, camera: Camera, world_T_camera: Motor) -> FloatArray | None:
-    """Where a pixel's ray meets the ground: ``(2,)``, None where it does not.
-
-    >>> import numpy as np
-    >>> from motorcade.ga import Motor, Rotor
-    >>> from motorcade.replays.live.session import on_ground
-    >>> from motorcade.tracking import Camera
-    >>> camera = Camera(640, 480, 500.0, 500.0, 319.5, 239.5)
-    >>> down = Motor.from_rotor_translation(Rotor.from_rotation_vector([np.pi, 0, 0]), [0, 0, 1.0])
-    >>> on_ground(np.array([369.5, 239.5]), camera, down).round(3) + 0.0
-    array([0.1, 0. ])
-    """
-    ray = world_T_camera.rotor.apply(camera.bearings(pixel))
-    eye = world_T_camera.translation_m
-    if not np.isfinite(ray).all() or abs(ray[2]) < 1e-9 or not -eye[2] / ray[2] > 0.0:
-        return None
-    point: FloatArray = (eye - ray * (eye[2] / ray[2]))[:2]
-    return point
+_GROUND = DragPlane(np.zeros(3), np.array([0.0, 0.0, 1.0]))
 
 
 @dataclass
@@ -102,8 +83,7 @@ class LiveFigure:
         file: "mannequin", or a character's file.
         height_m: how tall it stands at first, in the world's unit.
 
-    Raises:
-        ValueError: a file that holds no character, or one whose legs nothing tells.
+    Raises ValueError: a file that holds no character, or one whose legs nothing tells.
     """
 
     file: str
@@ -452,8 +432,7 @@ class LiveSession:
     def gesture(self, message: Mapping[str, Any]) -> None:
         """Do what a finger meant: stand, walk, drag (to a pixel), turn (rad), resize (a factor).
 
-        Raises:
-            ValueError: another word, numbers that are none, or a frame that is not on show.
+        Raises ValueError: another word, numbers that are none, or a frame that is not on show.
         """
         act = message.get("do")
         if act not in _GESTURES:
@@ -492,10 +471,9 @@ class LiveSession:
             act = "stand"  # nobody walks from one plane to another
         motor = self.tracker.in_world(pose)
         assert motor is not None  # it had one in the world before
-        point = on_ground(pixels[0], pose.camera, motor)
-        if point is None:
-            raise ValueError("pixels: expected one of the ground")
-        eye: FloatArray = np.asarray(motor.translation_m)
+        eye: FloatArray = motor.translation_m
+        ray = Ray(eye, motor.rotor.apply(pose.camera.bearings(pixels[0])))
+        point = _GROUND.met_by(ray)[:2]
         if act == "stand":
             self.figure.stand(point, eye)
         elif act == "drag":
@@ -532,11 +510,14 @@ class LivePlan:
     def open(self) -> tuple[LiveSession, Iterator[LiveFrame] | None]:
         """The session, and the source's frames where it is not a browser.
 
-        Raises:
-            ValueError: no board, marker or SLAM said, or SLAM without a camera.
-            OSError: a folder to record into that holds something.
+        Raises ValueError: no board, marker or SLAM said, or SLAM without a camera; OSError: a
+        folder to record into that holds something.
         """
-        recording = self._recording()
+        recording = None
+        if self.source is not None and kind_of(self.source) == "recording":
+            from motorcade.replays.io.readers.opening import open_recording
+
+            recording = open_recording(self.source, self.manifest)
         target, camera = self.target, self.camera
         if recording is not None:
             target = recording.board if target is None else target
@@ -555,13 +536,6 @@ class LivePlan:
         elif self.source is not None:
             frames = open_frames(self.source)
         return LiveSession(tracker, figure, recorder), frames
-
-    def _recording(self) -> Recording | None:
-        if self.source is None or kind_of(self.source) != "recording":
-            return None
-        from motorcade.replays.io.readers.opening import open_recording
-
-        return open_recording(self.source, self.manifest)
 
 
 def height_on(target: Target) -> float:

@@ -179,8 +179,7 @@ class FirstMarker:
         family: one of `tracking.FAMILIES`.
         side_m: of the black square, metres.
 
-    Raises:
-        ValueError: an unknown family, or a side that is not above 0.
+    Raises ValueError: an unknown family, or a side that is not above 0.
     """
 
     family: str
@@ -227,8 +226,7 @@ class LiveTracker:
         camera: what takes the frames; None finds it from the board, within seconds in which the
             board is seen from several sides.
 
-    Raises:
-        ValueError: SLAM without a camera.
+    Raises ValueError: SLAM without a camera.
 
     It breaks down where two boards that look the same are in view, and where a board repeats
     itself turned round: it is then taken for the one that it was last.
@@ -280,9 +278,8 @@ class LiveTracker:
     def update(self, frame: LiveFrame) -> LivePose:
         """Take the next frame.
 
-        Raises:
-            ValueError: a stamp that is not later than the one before, or an image of another size
-                than the stated camera's.
+        Raises ValueError: a stamp that is not later than the one before, or an image of another
+        size than the stated camera's.
         """
         self._check(frame)
         self._last_ns = frame.time_ns
@@ -309,8 +306,7 @@ class LiveTracker:
         Returns:
             whether another plane is the world now; never without SLAM.
 
-        Raises:
-            ValueError: nothing flat is mapped there.
+        Raises ValueError: nothing flat is mapped there.
         """
         if self._slam is None or not self._slam.choose_plane(pose, pixel):
             return False
@@ -393,7 +389,7 @@ class LiveTracker:
             why = f"only {len(ids)} corners are seen"
         elif not self._sure:
             why = "two poses fit alike; look at it more from the side"
-        elif seen.error_px > WORST_PX or (len(held_out) and _rms(held_out) > WORST_PX):
+        elif seen.error_px > WORST_PX or (len(held_out) and np.mean(held_out**2) > WORST_PX**2):
             why = "corners lie more than a pixel off"
         if self._sure and seen.error_px <= WORST_PX:
             predicted = self._predicted(frame.time_ns) if continued else None
@@ -484,10 +480,6 @@ def held_out_px(
     return distances[np.isfinite(distances)]
 
 
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 class _PlaneSlam:
     """SLAM in its threads; the world is a plane of its map, or the map until there is one.
 
@@ -515,7 +507,7 @@ class _PlaneSlam:
             self._flat, self._tracked = False, 0
         self._tracked += 1
         if not self._flat and self._tracked % _PLANE_EVERY == 0:
-            planes = self._planes(self._points(), seen.world_T_camera.translation_m)
+            planes = self._planes(self._slam.snapshot().points, seen.world_T_camera.translation_m)
             self._flat = bool(planes)
             self.world_T_map = planes[0].world_T_plane.inverse() if planes else self.world_T_map
         why = "few corners are tracked" if seen.state == "weak" else ""
@@ -536,7 +528,7 @@ class _PlaneSlam:
         map_T_camera = pose.world_T_map.inverse() @ pose.world_T_camera
         eye = map_T_camera.translation_m
         ray = map_T_camera.rotor.apply(self._camera.bearings(pixel))
-        points = self._points()
+        points = self._slam.snapshot().points
         away = points - eye
         near = away @ ray > np.cos(_NEAR_RAY_RAD) * np.linalg.norm(away, axis=-1)
         large = [plane for plane in self._planes(points, eye) if _reaches(plane, eye, ray)]
@@ -551,9 +543,6 @@ class _PlaneSlam:
             return False
         self.world_T_map, self._flat = plane.world_T_plane.inverse(), True
         return True
-
-    def _points(self) -> FloatArray:
-        return self._slam.snapshot().points
 
     @staticmethod
     def _planes(points: FloatArray, eye: FloatArray, **wanted: Any) -> tuple[Plane, ...]:

@@ -161,6 +161,8 @@ MAX_EDITORS = 8
 MESSAGES_A_SECOND = 250.0
 MESSAGES_AT_ONCE = 500.0
 WORK_FREE_S, WORK_SHARE = 1.0, 0.5
+"""A second of a connection's work is free; beyond, its next message waits until it is worked off at
+half a second a second, so that others have room."""
 
 
 class BoundedProtocol(H11Protocol):
@@ -174,7 +176,7 @@ class BoundedProtocol(H11Protocol):
         """Take a connection, or hang up."""
         super().connection_made(transport)
         others = [one.client for one in self.connections if isinstance(one, BoundedProtocol)]
-        of_address = sum(_host(one) == _host(self.client) for one in others)
+        of_address = sum((client or ())[:1] == (self.client or ())[:1] for client in others)
         if of_address > MAX_CONNECTIONS_AN_ADDRESS or len(self.connections) > MAX_CONNECTIONS:
             transport.abort()
         self._awaited = self.loop.call_later(FIRST_REQUEST_WITHIN_S, transport.abort)
@@ -196,22 +198,21 @@ class BoundedProtocol(H11Protocol):
         super().connection_lost(exc)
 
 
-def _host(client: tuple[str, int] | None) -> str | None:
-    return None if client is None else client[0]
-
-
 @dataclass
 class MessageRate:
-    """Whether the messages of one connection come too fast (a token bucket).
+    """Whether the messages of one connection come too fast, or take too long (a token bucket).
 
     Args:
         clock: seconds that only grow.
-        a_second, at_once: how many are taken in the long run, and of a burst.
+        a_second, at_once: how many (or how much) are taken in the long run, and of a burst.
 
     >>> from motorcade.replays.studio.access import MessageRate
     >>> still = MessageRate(clock=lambda: 0.0)
     >>> sum(still.takes() for _ in range(10_000))
     500
+    >>> still.spend(250.0)
+    >>> still.owed_s()
+    1.0
     """
 
     clock: Callable[[], float] = time.monotonic
@@ -223,43 +224,19 @@ class MessageRate:
 
     def takes(self, count: int = 1) -> bool:
         """Whether so many more are within the rate."""
-        now = self.clock()
-        grown = self._left + (now - self._seen_s) * self.a_second
-        self._left, self._seen_s = min(self.at_once, grown), now
+        self.spend(0.0)
         if self._left < count:
             return False
         self._left -= count
         return True
 
-
-@dataclass
-class WorkBudget:
-    """How long one connection's next message waits, so that its work leaves room for others'.
-
-    A second of work is free; what goes beyond is worked off at `WORK_SHARE` seconds a second.
-
-    Args:
-        clock: seconds that only grow.
-
-    >>> from motorcade.replays.studio.access import WorkBudget
-    >>> still = WorkBudget(clock=lambda: 0.0)
-    >>> still.spend(1.5)
-    >>> still.owed_s()
-    1.0
-    """
-
-    clock: Callable[[], float] = time.monotonic
-
-    def __post_init__(self) -> None:
-        self._spent_s, self._seen_s = 0.0, self.clock()
-
-    def spend(self, seconds: float) -> None:
-        """Put work on the account."""
+    def spend(self, much: float) -> None:
+        """Take so much, whether it is there or not."""
         now = self.clock()
-        self._spent_s = max(0.0, self._spent_s - WORK_SHARE * (now - self._seen_s)) + seconds
-        self._seen_s = now
+        grown = self._left + (now - self._seen_s) * self.a_second
+        self._left, self._seen_s = min(self.at_once, grown) - much, now
 
     def owed_s(self) -> float:
-        """Seconds until the next message is looked at."""
+        """Seconds until what was spent beyond is worked off."""
         self.spend(0.0)
-        return max(0.0, self._spent_s - WORK_FREE_S) / WORK_SHARE
+        return max(0.0, -self._left) / self.a_second

@@ -25,7 +25,8 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from motorcade.replays.studio.access import MAX_EDITORS, Access, Doorkeeper
-from motorcade.replays.studio.visitors import Offer, OpenedOffers, Visitors
+from motorcade.replays.studio.desk import Offer
+from motorcade.replays.studio.visitors import OpenedOffers, Visitors
 from motorcade.replays.web.page import WEB
 from motorcade.replays.web.pages import page_environment
 

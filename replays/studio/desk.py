@@ -44,9 +44,9 @@ from motorcade.replays.stages.values.view import PlacedCharacter, PlayedPart
 from motorcade.replays.stages.view.acted import cast_as
 from motorcade.replays.stages.view.acting import IDLE, character_named
 from motorcade.replays.studio.filmed import Filmed, PlayedScene, open_filmed, spoken
+from motorcade.replays.studio.messages import Answer
 from motorcade.replays.studio.props import GROUND, Props, files_beside
 from motorcade.replays.studio.session import EditingSession, SceneView
-from motorcade.replays.studio.visitors import Answer, Offer
 from motorcade.replays.studio.write_ahead import SceneHistory, WriteAheadLog
 
 LONGEST_S = 3600.0
@@ -88,9 +88,8 @@ class FilmDrawing:
     def start(self, scene: Scene) -> None:
         """Begin to draw a scene, whose file is written.
 
-        Raises:
-            ValueError: a film is being drawn already, or there is nobody in the scene.
-            OSError: no process can be started.
+        Raises ValueError: a film is being drawn already, or there is nobody in the scene; OSError:
+        no process can be started.
         """
         if all(scene.part(name).kind == "group" for name in scene.parents):
             raise ValueError("Nobody is in the scene yet.")
@@ -113,20 +112,15 @@ class FilmDrawing:
             self._said, self._share, self._failed = "opening the recording", None, None
         threading.Thread(target=self._follow, args=(process,), daemon=True).start()
 
-    def stop(self) -> None:
-        """End what is being drawn, if anything is."""
+    def stop(self, *, wait: bool = False) -> None:
+        """End what is being drawn, if anything is; at once, where one waits for it."""
         with self._lock:
             process = self._process
-        if process is not None:
-            process.terminate()
-
-    def close(self) -> None:
-        """The same, and wait for it."""
-        with self._lock:
-            process = self._process
-        if process is not None:
+        if process is not None and wait:
             process.kill()
             process.wait()
+        elif process is not None:
+            process.terminate()
 
     def state(self, scene: Scene) -> dict[str, Any]:
         """How far it is, for the page; and whether the film shows the scene as it is now."""
@@ -283,7 +277,7 @@ class RunDesk:
 
     def close(self) -> None:
         """Write the scene as it is, and let others edit it; raises `OSError` where it cannot be."""
-        self.drawing.close()
+        self.drawing.stop(wait=True)
         self.session.history.close()
 
 
@@ -294,10 +288,8 @@ def open_desk(run: Path, scene: Path | None = None) -> RunDesk:
         run: a folder that `motorcade run` wrote.
         scene: the scene's file; `scene.json` in the run's folder unless told.
 
-    Raises:
-        ValueError: a folder that holds no run, a scene that cannot be read.
-        OSError: its recording is gone, another process edits the scene, or nothing can be written
-            beside it.
+    Raises ValueError: a folder that holds no run, a scene that cannot be read; OSError: its
+    recording is gone, another process edits the scene, or nothing can be written beside it.
     """
     filmed = open_filmed(run)
     file = run / SCENE_NAME if scene is None else scene
@@ -358,18 +350,25 @@ class Footage:
         written, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
         if not written:
             raise OSError(f"frame {index}: cannot be written as JPEG")
+        jpeg = data.tobytes()
         with self._lock:
-            self._keep(index, data.tobytes())
-            return self._kept[index]
-
-    def _keep(self, index: int, jpeg: bytes) -> None:
-        self._bytes += len(jpeg) - len(self._kept.pop(index, b""))
-        self._kept[index] = jpeg
-        while self._bytes > KEPT_BYTES and len(self._kept) > 1:
-            self._bytes -= len(self._kept.popitem(last=False)[1])
+            self._bytes += len(jpeg) - len(self._kept.pop(index, b""))
+            self._kept[index] = jpeg
+            while self._bytes > KEPT_BYTES and len(self._kept) > 1:
+                self._bytes -= len(self._kept.popitem(last=False)[1])
+        return jpeg
 
 
 log = logging.getLogger("motorcade.studio")
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A run on the start page; `open` reads it, which may take seconds."""
+
+    name: str
+    open: Callable[[], RunDesk]
+
 
 MOST_RUNS = 1000
 RUN_LOG = "run.json"
@@ -382,8 +381,7 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
         path: a run's folder, a folder of runs, or a scene's file.
         run: of a scene that lies elsewhere.
 
-    Raises:
-        ValueError: none of these.
+    Raises ValueError: none of these.
     """
     if path.is_dir():
         if run is not None:
@@ -409,13 +407,10 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
 def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
     """An offer that was opened, so that what keeps it from being edited is told before the link.
 
-    Args:
-        offer: a single one.
-        say: takes a line on what is under way.
+    `say` takes a line on what is under way.
 
-    Raises:
-        ValueError: a run or a scene that cannot be read.
-        OSError: its recording is gone, or another process edits the scene.
+    Raises ValueError: a run or a scene that cannot be read; OSError: its recording is gone, or
+    another process edits the scene.
     """
     say(f"{offer.name}: opening the run")
     since = time.monotonic()
@@ -435,8 +430,7 @@ def first_scene(filmed: Filmed, folder: Path) -> Scene:
         filmed: the run.
         folder: of the scene's file, which names others from there.
 
-    Raises:
-        ValueError: a file of the run that cannot be read any more.
+    Raises ValueError: a file of the run that cannot be read any more.
     """
     placed, knobs = filmed.placed, filmed.knobs
     if placed is not None and str(knobs.get("scene", NOBODY)) != NOBODY:

@@ -31,7 +31,7 @@ from motorcade.animation.authoring.pointing import (
 from motorcade.animation.authoring.poses import Frame
 from motorcade.animation.retarget import body_of
 from motorcade.animation.skeleton import Skeleton
-from motorcade.ga import Motor, Rotor, Similarity
+from motorcade.ga import Motor, Similarity
 from motorcade.ga.arrays import FloatArray
 from motorcade.replays.studio.filmed import PlayedScene
 
@@ -52,8 +52,7 @@ class Grab:
         axis: ``(3,)`` of an axis or a ring, in `frame`.
         frame: whose axes: the object's own, its parent's or the world's.
 
-    Raises:
-        ValueError: an unknown gesture, another number of fingers.
+    Raises ValueError: an unknown gesture, another number of fingers.
     """
 
     gesture: str
@@ -202,20 +201,14 @@ class ObjectDrag:
             rotor, _, scale = self.amount.as_rotor_translation_scale()
             way = self.amount.apply(self._parent_T_object.translation_m)
             far = float(np.linalg.norm(way - self._parent_T_object.translation_m))
-            return ", ".join(
-                [
-                    f"{100 * far:.1f} cm",
-                    *([f"{np.degrees(_angle(rotor)):.0f}°"] if _angle(rotor) > 1e-6 else []),
-                    *([f"× {float(scale):.2f}"] if abs(float(scale) - 1.0) > 1e-6 else []),
-                ]
-            )
+            angle, grown = float(rotor.angle()), float(scale)
+            text = f"{100 * far:.1f} cm"
+            text += f", {np.degrees(angle):.0f}°" if angle > 1e-6 else ""
+            return text + (f", × {grown:.2f}" if abs(grown - 1.0) > 1e-6 else "")
         if self.drag.kind == "rotate":
             return f"{np.degrees(self.amount):.1f}°"
-        return (
-            f"{100 * self.amount:.1f} cm"
-            if self.drag.kind == "translate"
-            else f"× {self.amount:.2f}"
-        )
+        moves = self.drag.kind == "translate"
+        return f"{100 * self.amount:.1f} cm" if moves else f"× {self.amount:.2f}"
 
 
 def _pointed_at(plane: DragPlane, rays: Sequence[Ray]) -> DragPlane:
@@ -229,10 +222,6 @@ def on_ray(ray: Ray, point_m: FloatArray) -> FloatArray:
     """The place on a ray nearest to a point, so that what is grabbed is under the finger."""
     along = float((point_m - ray.origin_m) @ ray.direction)
     return ray.origin_m + along * ray.direction
-
-
-def _angle(rotor: Rotor) -> float:
-    return float(rotor.angle())
 
 
 HELD_BY = ("head", "left_hand", "right_hand", "left_foot", "right_foot")
@@ -255,9 +244,8 @@ class LimbDrag:
         ray: of the finger.
         joint: its name; None takes the nearest of those that a pose is dragged by.
 
-    Raises:
-        ValueError: no character, no such joint, or one above which none may turn.
-        OutOfReach: a finger that points past it.
+    Raises ValueError: no character, no such joint, or one above which none may turn; OutOfReach: a
+    finger that points past it.
     """
 
     def __init__(

@@ -160,9 +160,8 @@ def spoken(anchor: SceneAnchor) -> str:
     """An anchor as people call it."""
     if anchor.on == "marker":
         return f"Marker {anchor.marker}"
-    return {"auto": "The ground", "board": "The board", "plane": "The plane"}.get(
-        anchor.on, "The floor"
-    )
+    words = {"auto": "The ground", "board": "The board", "plane": "The plane"}
+    return words.get(anchor.on, "The floor")
 
 
 def open_filmed(folder: Path) -> Filmed:

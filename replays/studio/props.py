@@ -165,8 +165,7 @@ def free_place_m(
         frame: on show.
         beside: an object that is not in its own way.
 
-    Raises:
-        ValueError: an anchor that is not in this recording.
+    Raises ValueError: an anchor that is not in this recording.
     """
     poses = filmed.world_T_anchor(anchor)
     world_T_plane = poses[min(frame, poses.shape[0] - 1)]
@@ -175,15 +174,6 @@ def free_place_m(
     seen = _in_view(places, height_m, world_T_plane, filmed, frame)
     place: FloatArray = places[np.lexsort((np.arange(MOST_PLACES), ~seen, -apart))[0]]
     return place
-
-
-def room_m(
-    scene: Scene, name: str, on: str, anchor: SceneAnchor, filmed: Filmed, frame: int
-) -> FloatArray:
-    """A free place ``(2,)`` of an anchor for an object that is in the scene; as `free_place_m`."""
-    ground = filmed.ground(anchor)
-    tall = scene.part(name).height_m or ground.height_m
-    return free_place_m(scene, on, anchor, ground.position_m, tall, filmed, frame, name)
 
 
 def _taken_m(scene: Scene, on: str, beside: str | None) -> FloatArray:
@@ -242,9 +232,8 @@ def pace_at(character: Character, speed_m_s: float, scale: float) -> dict[str, A
         scale: of the walker: a small one goes by the gait by which a tall one goes as many of its
             own heights a second.
 
-    Raises:
-        ValueError: slower than a walk or faster than a run of its size, or a character without legs
-            or gaits.
+    Raises ValueError: slower than a walk or faster than a run of its size, or a character without
+    legs or gaits.
     """
     skeleton = character.skeleton
     legs = tuple(fitted_legs(legs_of(skeleton), character))
@@ -272,8 +261,7 @@ MOST_POINTS = 100
 def thinned(points_m: FloatArray, height_m: float) -> FloatArray:
     """A way ``(P, 2)`` through the points of a drawn line ``(N, 2)`` that matter.
 
-    Raises:
-        ValueError: a line that is too short to be walked.
+    Raises ValueError: a line that is too short to be walked.
 
     >>> import numpy as np
     >>> from motorcade.replays.studio.props import thinned

@@ -42,8 +42,7 @@ class Listening:
         port: 0 for any that is free.
         tls: files of a certificate and its key, PEM; None for plain http.
 
-    Raises:
-        ValueError: a port that is none.
+    Raises ValueError: a port that is none.
     """
 
     lan: bool = False
@@ -152,9 +151,8 @@ def serve(
         notice: what is said beside it.
         max_message_bytes: of a message of a WebSocket.
 
-    Raises:
-        OSError: the port is taken, or a file of `tls` cannot be read.
-        ValueError: a certificate that is none, or a key that does not fit it.
+    Raises OSError: the port is taken, or a file of `tls` cannot be read; ValueError: a certificate
+    that is none, or a key that does not fit it.
     """
     with opened(listening) as (listener, access):
         server = configured(app(access), listening, max_message_bytes)
@@ -217,9 +215,7 @@ def own_certificate(address: str) -> Iterator[tuple[tuple[Path, Path], str]]:
         files of the certificate and of its key, PEM; and the certificate's SHA-256 fingerprint, as
         browsers write it.
 
-    Raises:
-        ModuleNotFoundError: the package cryptography is not installed.
-        ValueError: no address.
+    Raises ModuleNotFoundError: the package cryptography is not installed; ValueError: no address.
 
     >>> from motorcade.replays.studio.serving import own_certificate
     >>> with own_certificate("127.0.0.1") as (files, fingerprint):

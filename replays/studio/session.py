@@ -34,8 +34,7 @@ from motorcade.replays.pipeline.packing import packed, scaled_rows
 from motorcade.replays.stages.view.acted import Acted
 from motorcade.replays.studio.dragging import Grab, LimbDrag, ObjectDrag, joints_held_by
 from motorcade.replays.studio.filmed import Filmed, PlayedScene, spoken
-from motorcade.replays.studio.props import GROUND, Props, free_name, pace_at, room_m, thinned
-from motorcade.replays.studio.visitors import (
+from motorcade.replays.studio.messages import (
     Answer,
     frame_number,
     frame_of_axes,
@@ -44,6 +43,7 @@ from motorcade.replays.studio.visitors import (
     pixels_of,
     point_of,
 )
+from motorcade.replays.studio.props import GROUND, Props, free_name, free_place_m, pace_at, thinned
 from motorcade.replays.studio.write_ahead import SceneHistory
 
 
@@ -356,7 +356,9 @@ class EditingSession:
         time_s = float(self.filmed.time_s[frame])
         lines.append({"do": "reparent", "object": name, "parent": on, "time_s": time_s})
         if anchor is not None:
-            x, y = room_m(scene, name, str(on), anchor, self.filmed, frame)
+            ground, filmed = self.filmed.ground(anchor), self.filmed
+            tall, middle_m = scene.part(name).height_m or ground.height_m, ground.position_m
+            x, y = free_place_m(scene, str(on), anchor, middle_m, tall, filmed, frame, name)
             put = {"position_m": [x, y, 0.0], "euler_deg": [0.0, 0.0, 0.0], "time_s": time_s}
             lines.append({"do": "set", "object": name, **put})
         return self._edited(visitor, message, *lines)
@@ -406,15 +408,9 @@ class EditingSession:
         name = name_of(message, "object")
         time_s = float(self.filmed.time_s[frame_number(message, self.filmed.frames)])
         pose, scale = self.history.scene.pose_at(name, time_s).as_motor_scale()
-        return Answer(
-            {
-                "numbers": {
-                    "position_m": pose.translation_m.tolist(),
-                    "euler_deg": np.degrees(pose.rotor.as_euler()).tolist(),
-                    "scale": float(scale),
-                }
-            }
-        )
+        numbers = {"position_m": pose.translation_m.tolist(), "scale": float(scale)}
+        euler_deg = np.degrees(pose.rotor.as_euler()).tolist()
+        return Answer({"numbers": {**numbers, "euler_deg": euler_deg}})
 
     # What browsers are told
 

@@ -1,7 +1,6 @@
 """The browsers in one scene: messages taken in turn, replies, and news to the others.
 
-The runs that are offered are opened when the first browser asks for one. Fields of messages
-are checked one by one: what a browser sends may be anything.
+The runs that are offered are opened when the first browser asks for one.
 """
 
 from __future__ import annotations
@@ -16,46 +15,15 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar, get_args
+from typing import Any, TypeVar
 
-import numpy as np
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from motorcade.animation.authoring.poses import Frame
-from motorcade.ga.arrays import FloatArray
-from motorcade.replays.studio.access import MessageRate, WorkBudget
-
-if TYPE_CHECKING:
-    from motorcade.replays.studio.desk import RunDesk
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a message leads to.
-
-    Args:
-        reply: to whoever sent it.
-        news: to all others; None where nothing changed for them.
-    """
-
-    reply: Mapping[str, Any]
-    news: Mapping[str, Any] | None = None
-
-
-@dataclass(frozen=True)
-class Offer:
-    """A run on the start page.
-
-    Args:
-        open: reads it; may take seconds.
-        summary: a line on what is in it.
-    """
-
-    name: str
-    open: Callable[[], RunDesk]
-    summary: str = ""
+from motorcade.replays.studio.access import WORK_FREE_S, WORK_SHARE, MessageRate
+from motorcade.replays.studio.desk import Offer, RunDesk
+from motorcade.replays.studio.messages import Answer, parsed
 
 
 @dataclass
@@ -68,8 +36,7 @@ class OpenedOffers:
     async def desk(self, run: int) -> RunDesk:
         """The desk of a run, opened once for everybody.
 
-        Raises:
-            HTTPException: 404 where there is no such run, 503 where it cannot be opened.
+        Raises HTTPException: 404 where there is no such run, 503 where it cannot be opened.
         """
         if not 0 <= run < len(self.offers):
             raise HTTPException(404)
@@ -97,29 +64,6 @@ MAX_UNSENT = 256
 """A browser that lets so many messages lie is taken for gone, and can come back."""
 _END = ""
 Result = TypeVar("Result")
-
-
-def parsed(text: str) -> Mapping[str, Any]:
-    """A message of JSON.
-
-    Raises:
-        ValueError: no JSON, no object, a number that is none.
-
-    >>> from motorcade.replays.studio.visitors import parsed
-    >>> parsed('{"n": 1, "do": "undo"}')
-    {'n': 1, 'do': 'undo'}
-    """
-    try:
-        document = json.loads(text, parse_constant=_no_number)
-    except (ValueError, RecursionError) as fault:
-        raise ValueError("expected a message of JSON") from fault
-    if not isinstance(document, dict):
-        raise ValueError(f"expected an object of JSON, got {type(document).__name__}")
-    return document
-
-
-def _no_number(text: str) -> float:
-    raise ValueError(f"expected a number, got {text}")
 
 
 class Visitors:
@@ -163,7 +107,7 @@ class Visitors:
                 leaving.add_done_callback(lambda done: self._tell_others(visitor, done.result()))
 
     async def _listen(self, socket: WebSocket, desk: RunDesk, visitor: int) -> None:
-        rate, budget = MessageRate(), WorkBudget()
+        rate, budget = MessageRate(), MessageRate(a_second=WORK_SHARE, at_once=WORK_FREE_S)
         while visitor in self._unsent:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -226,67 +170,3 @@ async def _send(socket: WebSocket, unsent: asyncio.Queue[str]) -> None:
     while (text := await unsent.get()) != _END:
         await socket.send_text(text)
     await socket.close(1013, "this browser was too slow; load the page again")
-
-
-MAX_NAME = 200
-_FARTHEST = 1e7
-"""Pixels and metres that a message may hold."""
-
-
-def name_of(message: Mapping[str, Any], key: str) -> str:
-    """A name. Raises ValueError: none, or a long one."""
-    name = message.get(key)
-    if not isinstance(name, str) or not 0 < len(name) <= MAX_NAME:
-        raise ValueError(f"{key}: expected a name")
-    return name
-
-
-def frame_of_axes(message: Mapping[str, Any]) -> Frame:
-    """Whose axes a handle goes by; the parent's unless told. Raises ValueError: another word."""
-    axes = message.get("in", "parent")
-    for frame in get_args(Frame):
-        if axes == frame:
-            return frame  # type: ignore[no-any-return]
-    raise ValueError("in: expected local, parent or global")
-
-
-def number_of(message: Mapping[str, Any], key: str) -> float:
-    """A number. Raises ValueError: none, or a huge one."""
-    value = message.get(key)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < _FARTHEST:
-        raise ValueError(f"{key}: expected a number")
-    return float(value)
-
-
-def frame_number(message: Mapping[str, Any], frames: int) -> int:
-    """The number of the image that the browser shows; the first where it does not say.
-
-    Raises ValueError: there is no such image.
-    """
-    number = message.get("frame", 0)
-    if type(number) is not int or not 0 <= number < frames:
-        raise ValueError(f"frame: expected 0 to {frames - 1}")
-    return number
-
-
-def pixels_of(message: Mapping[str, Any], most: int) -> FloatArray:
-    """Pixels ``(N, 2)``, none where the message has none.
-
-    Raises ValueError: something else, or more than so many.
-    """
-    pixels = message.get("pixels", [])
-    if not isinstance(pixels, list) or len(pixels) > most:
-        raise ValueError(f"pixels: expected at most {most}")
-    return np.array([_numbers(one, "pixels", 2) for one in pixels]).reshape(-1, 2)
-
-
-def point_of(message: Mapping[str, Any], key: str) -> FloatArray | None:
-    """Three numbers, None where there are none. Raises ValueError: something else."""
-    point = message.get(key)
-    return None if point is None else np.array(_numbers(point, key, 3))
-
-
-def _numbers(value: object, key: str, count: int) -> list[float]:
-    if not isinstance(value, list) or len(value) != count:
-        raise ValueError(f"{key}: expected {count} numbers")
-    return [number_of({key: one}, key) for one in value]

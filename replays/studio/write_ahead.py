@@ -51,19 +51,20 @@ MAX_MARK_BYTES = 4096
 class WriteAheadLog:
     """The session of one scene, which is this one's alone until it is closed.
 
+    Its file `start` is the scene that it began with, `gestures` what was done since.
+
     Args:
         scene: the scene's file, which need not exist yet.
         start: its bytes where it does not.
 
-    Raises:
-        OSError: another has the session, nothing can be written there, or a link or a pipe is in
-            the place of its files.
-        ValueError: a file that is too large.
+    Raises OSError: another has the session, nothing can be written there, or a link or a pipe is in
+    the place of its files; ValueError: a file that is too large.
     """
 
     def __init__(self, scene: Path, start: bytes) -> None:
         self.scene = scene
         self._folder = scene.with_name(f"{scene.stem}.session")
+        self.start, self.gestures = self._folder / "start.json", self._folder / "gestures.jsonl"
         self._last: list[str] = []
         self._lock = self._taken()
         try:
@@ -71,16 +72,6 @@ class WriteAheadLog:
         except BaseException:
             self.close()
             raise
-
-    @property
-    def start(self) -> Path:
-        """The scene that the session began with."""
-        return self._folder / "start.json"
-
-    @property
-    def gestures(self) -> Path:
-        """What was done since."""
-        return self._folder / "gestures.jsonl"
 
     def lines(self) -> list[dict[str, Any]]:
         """All that was done, in order.

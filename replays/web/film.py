@@ -54,9 +54,8 @@ def write_film(
         time_ns: ``(F,)`` the recording's stamps, which give the rate.
         size: width and height that the film has them in, by default their own.
 
-    Raises:
-        ValueError: another ending, or another number of images than stamps.
-        OSError: the file cannot be written.
+    Raises ValueError: another ending, or another number of images than stamps; OSError: the file
+    cannot be written.
     """
     if path.suffix != ".mp4":
         raise ValueError(f"write_film(path): expected a name that ends in .mp4, got '{path.name}'")

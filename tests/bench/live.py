@@ -84,7 +84,7 @@ def filmed(frames: int, target: str = "board") -> Filmed:
         return Filmed("slam", recording.camera, images)
     if not folder.is_dir():
         camera = Camera(*SIZE, 600.0, 600.0, 319.5, 239.5)
-        poses = (drawn.world_T_camera(index, 7) for index in range(frames))
+        poses = [drawn.world_T_camera(index, 7) for index in range(frames)]
         images = tuple(drawn.image_of(pose, camera=camera) for pose in poses)
         return Filmed(drawn.BOARD, camera, images)
     recording = open_recording(folder, Path("docs/manifests/vamr_board.toml"))

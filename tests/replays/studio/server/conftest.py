@@ -13,8 +13,9 @@ import uvicorn
 
 from motorcade.replays.studio.access import Access
 from motorcade.replays.studio.app import studio_app
+from motorcade.replays.studio.desk import Offer, RunDesk
+from motorcade.replays.studio.messages import Answer
 from motorcade.replays.studio.serving import Listening, configured, opened
-from motorcade.replays.studio.visitors import Answer, Offer
 
 PATIENCE_S = 30.0
 
@@ -83,7 +84,7 @@ class Served:
 
 
 @contextmanager
-def running(desk: EchoDesk) -> Iterator[tuple[Access, int, uvicorn.Server]]:
+def running(desk: EchoDesk | RunDesk) -> Iterator[tuple[Access, int, uvicorn.Server]]:
     """A server of one run's desk, for as long as the block lasts: its key, its port, itself."""
     listening = Listening()
     with opened(listening) as (listener, access):

@@ -34,7 +34,7 @@ def film(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> FilmDrawing:
     monkeypatch.setattr(desk_module, "_START", DRAWS)
     made = FilmDrawing(["motorcade", str(tmp_path)], tmp_path)
     yield made
-    made.close()
+    made.stop(wait=True)
 
 
 def until(film: FilmDrawing, holds: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from websockets.sync.client import connect
 
-from motorcade.replays.studio.access import WORK_SHARE, WorkBudget
-from motorcade.replays.studio.visitors import Answer
+from motorcade.replays.studio.access import WORK_FREE_S, WORK_SHARE, MessageRate
+from motorcade.replays.studio.messages import Answer
 from tests.replays.studio.server.conftest import EchoDesk, running
 from tests.replays.studio.server.stage import Visitor, desk, stands
 
@@ -48,7 +48,7 @@ def test_an_edit_holds_up_no_other_request() -> None:
 
 def test_work_beyond_the_budget_is_worked_off() -> None:
     now = [0.0]
-    budget = WorkBudget(clock=lambda: now[0])
+    budget = MessageRate(lambda: now[0], WORK_SHARE, WORK_FREE_S)
     for _ in range(40):
         budget.spend(0.5)
         now[0] += budget.owed_s()
