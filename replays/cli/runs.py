@@ -291,6 +291,7 @@ def result(summary: Mapping[str, Any], out: Path) -> str:
     if poses is None:
         return f"{doubtful}done as far as {summary['until']}{worse}; look into {out}"
     film = f"{summary['overlay']['in_words']}; " if summary.get("overlay") else ""
+    film += f"{summary['people']}; " if " " in summary.get("people", "") else ""
     text = (
         f"{doubtful}{film}{poses['measured']} of {poses['frames']} frames have a pose "
         f"({poses['origin']})"

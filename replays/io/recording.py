@@ -251,6 +251,7 @@ class Recording:
         slam_map: a saved map of the place, which visual SLAM goes on in.
         truth: world_T_camera. Its stamps need not be the frames' own, nor cover all of them.
         settings: knobs of the pipeline that suit this recording, each "stage.knob=value".
+        people: "auto", "people" or "none", as `[frames] masks` says; of found ones, a clause.
         damaged: what is said of each image that was left out because it is damaged.
         doubts: what of all this is not sure, a clause each; what a run closes with.
 
@@ -292,6 +293,7 @@ class Recording:
     readout_s: float = 0.0
     metric: bool = True
     focal_sigma: float = 0.0
+    people: str = "auto"
 
     def __post_init__(self) -> None:
         if len(self.frames) == 0:
@@ -314,7 +316,7 @@ class Recording:
     @property
     def masks(self) -> FrameMasks | None:
         """Masks of what moves before the scene, by the frames' stamps; None without."""
-        return getattr(self.frames, "masks", None)
+        return getattr(getattr(self.frames, "taken", self.frames), "masks", None)
 
     @property
     def rows_run(self) -> IntArray:
@@ -458,8 +460,9 @@ def _bytes(array: NDArray[Any]) -> memoryview:
 
 def with_masks(frames: FrameSequence, masks: FrameMasks) -> FrameSequence:
     """A copy of frames, with masks."""
-    masked = copy(frames)
-    object.__setattr__(masked, "masks", masks)
+    masked, taken = copy(frames), getattr(frames, "taken", None)  # by a lens that zooms
+    name, value = ("masks", masks) if taken is None else ("taken", with_masks(taken, masks))
+    object.__setattr__(masked, name, value)
     return masked
 
 

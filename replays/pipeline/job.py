@@ -32,6 +32,7 @@ from motorcade.replays.pipeline.described.describing import (
     parted,
     summary,
 )
+from motorcade.replays.pipeline.described.people import with_people
 from motorcade.replays.pipeline.report.page import report
 from motorcade.replays.pipeline.results import OWN_MANIFEST, require_writable, write_results
 from motorcade.replays.stages.camera.board_poses import board_poses
@@ -184,7 +185,7 @@ def run_job(job: Job) -> dict[str, Any]:
     settings = job.all_settings(recording)
     knobs = parse_knobs(settings, graph)
     with off_record():
-        recording = recording.intact()
+        recording = with_people(recording.intact(), cache)
     opened = replace(opened, recording=recording)
     for damage in recording.damaged:
         log.warning("left out: %s", damage)

@@ -39,6 +39,7 @@ from motorcade.replays.io.readers.frames.views import ZoomedFrames
 from motorcade.replays.io.readers.manifest.section import setting_from
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.io.recording import Recording
+from motorcade.replays.pipeline.described.people import with_people
 from motorcade.replays.pipeline.job import pipeline_graph
 from motorcade.replays.pipeline.look import LookedAt, look_of
 from motorcade.replays.pipeline.report.findings import Findings
@@ -158,6 +159,7 @@ def read_run(folder: Path, stage: str) -> tuple[Recording, GraphRun]:
     """
     origin = read_origin(folder)
     recording = open_recording(origin.recording, origin.manifest).intact()
+    recording = with_people(recording, origin.cache)
     if recording.digest() != origin.content:
         again = shlex.join([*origin.words(recording), "--out", str(folder)])
         raise ValueError(f"{folder}: its recording has changed since; run it again: {again}")

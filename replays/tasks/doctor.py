@@ -120,6 +120,10 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
         "segno": ("segno", "its link as a QR code"),
         "cryptography": ("cryptography", "https for `motorcade live --lan`"),
     },
+    "people": {
+        "ai-edge-litert": ("ai_edge_litert", "people who walk through footage masked"),
+        "mediapipe": ("mediapipe", "the same: its weights alone, as it needs many packages"),
+    },
     "scale": {
         "dask": ("dask", "sweeps on a cluster"),
         "distributed": ("distributed", "sweeps on a cluster"),
@@ -127,6 +131,7 @@ OPTIONAL: dict[str, dict[str, tuple[str, str]]] = {
     },
 }
 """Extra, distribution: the module it brings, and what that is for."""
+_PEOPLE = "pip install ai-edge-litert && pip install --no-deps mediapipe==0.10.14"
 
 
 def how_to_install(module: str) -> str:
@@ -137,7 +142,7 @@ def how_to_install(module: str) -> str:
     """
     for extra, packages in OPTIONAL.items():
         if any(module == known for known, _ in packages.values()):
-            return f'pip install "motorcade[{extra}]"'
+            return _PEOPLE if extra == "people" else f'pip install "motorcade[{extra}]"'
     return f"pip install {module}"
 
 
@@ -151,7 +156,7 @@ def examine_packages() -> list[Finding]:
 
 
 def _package(extra: str, distribution: str, module: str, enables: str) -> Finding:
-    remedy = f'pip install "motorcade[{extra}]"'
+    remedy = how_to_install(module)
     try:
         installed = version(distribution)
         works = find_spec(module) is not None

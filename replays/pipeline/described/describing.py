@@ -51,6 +51,7 @@ from motorcade.replays.pipeline.described.footage import (
     refuse_oblong_pixels,
     seen_turns,
 )
+from motorcade.replays.pipeline.described.people import with_people
 from motorcade.replays.pipeline.described.values import (
     AGREES_SHARE,
     Assumption,
@@ -139,7 +140,7 @@ def open_described(
             raise GraphError(f"{problem}; say it in a manifest instead")
         return OpenedRecording(recording)
     with off_record():
-        recording = recording.intact()
+        recording = with_people(recording.intact(), cache)
     run = description_graph().run(STAGE, {"recording": recording}, cache, knobs)
     description: Description = run.outputs[STAGE]
     for assumption in description.assumed:

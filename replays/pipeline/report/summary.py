@@ -76,6 +76,7 @@ def summarise(findings: Findings, film: FilmView | None) -> dict[str, Any]:
             "in_words": film.sentence,
             "figures": [figure.as_dict() for figure in drawn.checks],
         },
+        "people": findings.recording.people,
         "doubts": list(findings.doubts),
         "choices": [place.name for place in findings.placed.choices],
         "cast": _cast(findings),
@@ -326,6 +327,7 @@ def verdict(findings: Findings, film: FilmView | None) -> Tile:
     """The first tile: what the film shows, whether it can be relied on, what speaks against it."""
     tile = _verdict(findings)
     shown = f"{capital(film.sentence)}. " if film else ""
+    shown += f"{capital(findings.recording.people)}. " * (" " in findings.recording.people)
     unsure = f" Not sure: {'; '.join(findings.doubts)}." * bool(findings.doubts)
     return replace(tile, label=f"{shown}{tile.label}{unsure}".strip())
 

@@ -290,6 +290,8 @@ class _Manifest:
         """Add masks of what moves before the scene, where the table names any."""
         if "masks" not in section:
             return recording
+        if section.text("masks") in ("people", "none"):
+            return replace(recording, people=section.text("masks"))
         folder, frames = self._file(section, "masks"), recording.frames
         if not isinstance(frames, VideoFrames | ImageFrames | BagFrames) or not folder.is_dir():
             problem = f"expected a folder of masks for images, got {one_line(folder)}"
