@@ -61,7 +61,7 @@ _JOINT_ORDERS, _LIGHTEST, _NO_NOISE = (1, 2), 1e-8, 1e-6
 
 # Shares of an error that may be left at the next pose, and how many such memories a path must span
 # for errors to be told from motion.
-_KEPT, _MEMORIES = (0.3, 0.5, 0.7, 0.8, 0.9), 32.0
+_KEPT, MEMORIES = (0.3, 0.5, 0.7, 0.8, 0.9), 32.0
 
 
 @dataclass(frozen=True)
@@ -538,7 +538,7 @@ def memories_beside(segment: ColumnSegment, columns: int) -> FloatArray | None:
     """
     interval_s, rows = float(np.median(np.diff(segment.time_s))), np.count_nonzero(segment.weights)
     memories_s = [0.0] + [
-        -interval_s / float(np.log(kept)) for kept in _KEPT if -np.log(kept) * rows >= _MEMORIES
+        -interval_s / float(np.log(kept)) for kept in _KEPT if -np.log(kept) * rows >= MEMORIES
     ]
     ratios = [ratio_of(level, 1, interval_s) for level in COARSE]
     likelihood = np.array(

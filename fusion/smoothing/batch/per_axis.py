@@ -29,6 +29,7 @@ from motorcade.fusion.prediction import EQUAL, standard_errors
 from motorcade.fusion.smoothing.batch.columns import (
     COARSE,
     FINE,
+    MEMORIES,
     ORDERS,
     ChosenColumn,
     ColumnModel,
@@ -396,18 +397,21 @@ def _likeliest(
     """The likeliest models of a group whose errors last; none where white ones do as well.
 
     Their memory must make the values likelier by as much as G. Schwarz asks for of one number more
-    (Estimating the dimension of a model, Annals of Statistics 6, 1978). Where all motion would be
-    errors that last, as stiff as splines get, it is no memory that was found.
+    (Estimating the dimension of a model, Annals of Statistics 6, 1978), and the path must span it
+    many times. Where all motion would be errors that last, as stiff as splines get, it is no memory
+    that was found.
     """
     interval_s = float(np.median(np.diff(segments[0].time_s)))
     white = sum(chosen[k].likelihood for k in group)
     tried = {_FIRST: _searched(segments, group, interval_s, _FIRST)}
     if tried[_FIRST][0] <= white:
         return {}
-    tried |= {kept: _searched(segments, group, interval_s, kept) for kept in _OTHERS}
+    count = sum(len(segment.time_s) for segment in segments)
+    spanned = [kept for kept in _OTHERS if -np.log(kept) * count >= MEMORIES]
+    tried |= {kept: _searched(segments, group, interval_s, kept) for kept in spanned}
     kept = max(tried, key=lambda share: tried[share][0])
     best, models = tried[kept]
-    rows = sum(len(share.time_s) for share in segments) * len(group)
+    rows = count * len(group)
     stiffest = min(level for _, level in models)
     if best <= white + 0.5 * float(np.log(rows)) or stiffest <= COARSE[0]:
         return {}

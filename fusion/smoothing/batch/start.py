@@ -62,8 +62,8 @@ _SURELY = 2.0
 # Axes apart neglect that errors turn along with a body. So far it turns, in rad, while its usual
 # axis is averaged over, where that may count.
 _TURNS = 1.0
-# Where no axis tells its noise, so far from one pose to the next: over a gap it turns half around,
-# and the short way from pose to pose is wrong.
+# Where an axis does not tell its noise, so far from one pose to the next: over a gap it turns half
+# around, and the short way from pose to pose is wrong.
 _FAR = 0.5
 # A changing acceleration tells stamps and axes from each other as well as any order that is chosen.
 _FIRST_ORDER = (2,)
@@ -377,7 +377,7 @@ def of_one_turn(
     path = restored(measured.representation, smoothed.coordinates, start.trajectory).poses.rigid
     turn = float(np.median((path[:-1].rotor.inverse() @ path[1:].rotor).angle())) / usual_s
     rates = [column.rate(usual_s) for column in own if not column.unobservable]
-    if turn < (_TURNS * float(np.median(rates)) if rates else _FAR / usual_s):
+    if turn < np.median([*(_TURNS * rate for rate in rates), *[_FAR / usual_s] * (3 - len(rates))]):
         return measured, smoothed, models
     noise = max(_root_mean_square([one.noise for one in own]), 1e-9)
     poses = start.trajectory.poses.rigid
