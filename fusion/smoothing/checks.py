@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
@@ -61,8 +62,7 @@ def in_double(trajectory: Trajectory) -> Trajectory:
     """The trajectory in float64, in which all estimates are made; itself where it is."""
     if trajectory.poses.coefficients.dtype == np.float64:
         return trajectory
-    poses = trajectory.poses.astype(np.float64)
-    return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)
+    return replace(trajectory, poses=trajectory.poses.astype(np.float64))
 
 
 def warn_of_coarse(interval_s: float) -> None:

@@ -67,7 +67,7 @@ from motorcade.fusion.smoothing import (
     smooth,
     smoothed_automatically,
 )
-from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.batch.robust_map import estimate_path
 from motorcade.fusion.smoothing.causal import smoothed_states
 from motorcade.fusion.visual_inertial import InertialSlam, start_inertial
 from motorcade.ga import CumulativeBSpline, Motor, ScrewPath

@@ -87,6 +87,17 @@ def bridged(time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_]) -> Motor:
     return Motor(coefficients)
 
 
+def bridged_poses(
+    time_s: FloatArray, poses: Motor | Similarity, kept: NDArray[np.bool_]
+) -> Motor | Similarity:
+    """The same of poses that may have a scale, which is interpolated beside."""
+    rigid = bridged(time_s, poses.rigid, kept)
+    if not isinstance(poses, Similarity):
+        return rigid
+    log_scale = np.interp(time_s, time_s[kept], np.log(poses.scale[kept]))
+    return Similarity.from_motor_scale(rigid, np.exp(log_scale))
+
+
 def crossings(
     time_s: FloatArray, poses: Motor, kept: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
@@ -109,37 +120,23 @@ def crossings(
 
 
 def first_sizes(trajectory: Trajectory) -> tuple[Sizes, Sizes]:
-    """Rotation and translation, as differences of measured poses tell: on the wide side."""
-    time_s, poses = trajectory.time_s, trajectory.poses.rigid
-    interval_s = np.diff(time_s)[:, None]
-    changes = np.diff((poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s, axis=0)
-    blocks = changes[:, :3], changes[:, 3:]
-    rotation, translation = (
-        Sizes(max(noise, _FINEST), max(_usual_density(part, interval_s), _FINEST))
-        for noise, part in zip(_first_noise(poses, time_s), blocks, strict=True)
-    )
-    return rotation, translation
+    """Rotation and translation, as differences of measured poses tell: on the wide side.
 
-
-def _usual_density(changes: FloatArray, interval_s: FloatArray) -> float:
-    """Density of white acceleration that would explain the upper quartile of changes of speed."""
-    usual = float(np.quantile(np.linalg.norm(changes, axis=1), 0.75))
-    return usual / (_QUARTILE_OF_NORM * float(np.sqrt(np.median(interval_s))))
-
-
-def _first_noise(poses: Motor, time_s: FloatArray) -> tuple[float, float]:
-    """Noise (rad, m) that would explain the median third difference, as if stamps were even.
-
-    The square of a third difference of white noise is 20 times that of the noise.
+    White acceleration that would explain the upper quartile of changes of speed, and noise that
+    would explain the median third difference, as if stamps were even: its square is 20 times that
+    of the noise.
     """
-    interval_s = np.diff(time_s)[:, None]
-    rates = (poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s
-    third = np.diff(rates, n=2, axis=0) * np.median(interval_s)
-    rotation, translation = (
-        float(np.median(np.linalg.norm(part, axis=1))) / (_MEDIAN_OF_NORM * np.sqrt(20.0))
-        for part in (third[:, :3], third[:, 3:])
-    )
-    return rotation, translation
+    interval_s, poses = np.diff(trajectory.time_s)[:, None], trajectory.poses.rigid
+    usual_s = float(np.median(interval_s))
+    changes = np.diff((poses[:-1].inverse() @ poses[1:]).as_twist() / interval_s, axis=0)
+    third = np.diff(changes, axis=0) * usual_s
+    sizes = []
+    for part in (slice(3), slice(3, 6)):
+        noise = float(np.median(np.linalg.norm(third[:, part], axis=1)))
+        change = float(np.quantile(np.linalg.norm(changes[:, part], axis=1), 0.75))
+        noise, change = noise / _MEDIAN_OF_NORM / 20.0**0.5, change / _QUARTILE_OF_NORM
+        sizes.append(Sizes(max(noise, _FINEST), max(change / usual_s**0.5, _FINEST)))
+    return sizes[0], sizes[1]
 
 
 class PathState(NamedTuple):
@@ -207,12 +204,7 @@ class Problem:
 
     def _first_guess(self) -> PathState:
         """The poses to start from, and what lies between them."""
-        poses, time_s = self.poses, self.time_s
-        rigid = bridged(time_s, poses.rigid, self.start)
-        guess: Motor | Similarity = rigid
-        if isinstance(poses, Similarity):
-            log_scale = np.interp(time_s, time_s[self.start], np.log(poses.scale[self.start]))
-            guess = Similarity.from_motor_scale(rigid, np.exp(log_scale))
+        guess = bridged_poses(self.time_s, self.poses, self.start)
         coordinates = self.representation.coordinates(guess)
         steps = self.representation.local(coordinates[1:], coordinates[:-1])
         rate = steps / self.interval_s[:, None]

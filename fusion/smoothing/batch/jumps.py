@@ -71,10 +71,8 @@ def with_jumps(
     for row in measured.jumps.tolist():
         without = replace(measured, jumps=measured.jumps[measured.jumps != row])
         jump, single = (_savings(one, path, weights, models) for one in (without, measured))
-        if (
-            jump[0, row]
-            < _least_saved(single[2], np.flatnonzero(weights), len(models.columns))[row]
-        ):
+        least_saved = _least_saved(single[2], np.flatnonzero(weights), len(models.columns))
+        if jump[0, row] < least_saved[row]:
             measured = without
     return measured, models
 
@@ -96,11 +94,11 @@ def returned_levels(
     an end too few poses may have returned for a jump of their own; then the offset must explain
     them better than the other jump alone does.
     """
-    count, first_jump, last_jump = len(weights), int(measured.jumps[0]), int(measured.jumps[-1])
+    count, jumps = len(weights), measured.jumps.tolist()
     pairs = [
-        *pairwise(measured.jumps.tolist()),
-        *((row, first_jump) for row in range(1, min(FEWEST_AT_LEVEL, first_jump))),
-        *((last_jump, row) for row in range(max(count - FEWEST_AT_LEVEL, last_jump) + 1, count)),
+        *pairwise(jumps),
+        *((row, jumps[0]) for row in range(1, min(FEWEST_AT_LEVEL, jumps[0]))),
+        *((jumps[-1], row) for row in range(max(count - FEWEST_AT_LEVEL, jumps[-1]) + 1, count)),
     ]
     most = _quantile(len(models.columns), 1.0 - _FALSE_ALARM)
     by_jumps = squares_left(measured, path, weights, models)
@@ -108,8 +106,7 @@ def returned_levels(
     for first, last in pairs:
         if 2 * np.count_nonzero(weights[first:last]) < count:
             left, worse, run = _moved_back(measured, path, weights, models, first, last)
-            both = np.all(np.isin([first, last], measured.jumps))
-            if worse < most and (both or left + most < by_jumps):
+            if worse < most and (left + most < by_jumps or {first, last} <= set(jumps)):
                 tried.append((left, run))
     for _, run in sorted(tried, key=itemgetter(0)):
         if all(run.first > o.last or run.last < o.first for o in returned):

@@ -55,13 +55,10 @@ Kept = NDArray[np.bool_]
 
 
 class JudgedRuns(NamedTuple):
-    """Poses ``(N,)`` that belong to the motion, rows before which its level jumps, and poses of it
-    that the path leaps to all the same.
-    """
+    """Poses ``(N,)`` that belong to the motion, and rows before which its level jumps."""
 
     motion: Kept
     jumps: IntArray
-    doubtful: Kept
 
 
 def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
@@ -79,32 +76,29 @@ def judged_runs(time_s: FloatArray, poses: Motor, kept: Kept) -> JudgedRuns:
     bent = _bends(time_s, poses)
     usual = ~_widened(~kept)
     most = np.quantile(bent[:-1][usual], _MOST, axis=0) if np.any(usual) else np.zeros(2)
-    doubtful = np.zeros_like(kept)
     while True:
         motion, leaps = np.ones_like(kept), []
         for first, last in runs_of(~kept):
             edges = _leaps(bent, ~_widened(~kept), most, first, last)
-            if edges and first > 0 and last < len(kept):
-                doubtful[edges[0] : last] = len(edges) == 1
             if len(edges) > 1:
                 motion[edges[0] : edges[-1]] = False
                 leaps.append(edges)
         if not leaps or not np.any(motion[1:] & motion[:-1]):
-            return JudgedRuns(motion if not leaps else kept, NO_JUMPS, doubtful)
+            return JudgedRuns(motion if not leaps else kept, NO_JUMPS)
         held_out = _HeldOut(time_s, poses, motion, most)
         right = [piece for edges in leaps for piece in held_out.right_among(edges)]
         if not right:
             break
         kept = motion.copy()
         for first, last in right:
-            kept[first:last] = doubtful[first:last] = True
+            kept[first:last] = True
     jumps = list[int]()
     for edges in leaps:
         stays, before = held_out.judged(edges)
         for first, last in stays:
-            motion[first:last] = doubtful[first:last] = True
+            motion[first:last] = True
         jumps += before
-    return JudgedRuns(motion, np.array(jumps, dtype=np.int64), doubtful)
+    return JudgedRuns(motion, np.array(jumps, dtype=np.int64))
 
 
 def unpredicted(
@@ -119,10 +113,10 @@ def unpredicted(
     beside_jump = beside_jumps(kept, measured.jumps)
     stay = np.repeat(beside_jump[:, None], 2, axis=1)
 
-    def off(path: PerAxisPath) -> FloatArray:
-        return _off(poses, restored(measured.representation, path.coordinates, like).poses.rigid)
+    def rigid(path: PerAxisPath) -> Motor:
+        return restored(measured.representation, path.coordinates, like).poses.rigid
 
-    far, rows = off(smoothed), np.flatnonzero(kept)
+    far, rows = _off(poses, rigid(smoothed)), np.flatnonzero(kept)
     runs = runs_of(~kept & measured.motion & ~beside_jump)
     lengths = np.array([_rounded_up(last - first) for first, last in runs])
     for length in np.unique(lengths):
@@ -130,7 +124,7 @@ def unpredicted(
         weights = np.array(smoothed.weights)
         weights[inside] = 0.0
         without = smoothed_per_axis(measured, smoothed.coordinates, weights, models, tails, 1)
-        errors = _size(off(without)[inside])
+        errors = _size(_off(poses, rigid(without))[inside])
         for first, last in runs[lengths == length]:
             beside = _near(inside, first)
             near, usual = _size(errors[beside]), _size(_size(far[inside[beside]]))
@@ -139,8 +133,7 @@ def unpredicted(
                 continue
             right = np.all(far[first:last] <= _AS_GOOD * near, axis=1)
             stay[first:last] = right[:, None] & (near > _AS_SURE * usual)
-    path = restored(measured.representation, smoothed.coordinates, like).poses.rigid
-    stay |= _astray(measured.time_s, path, kept)[:, None]
+    stay |= _astray(measured.time_s, rigid(smoothed), kept)[:, None]
     return stay | (~kept[:, None] & (far <= _AS_SURE * _unsure(measured, smoothed)))
 
 

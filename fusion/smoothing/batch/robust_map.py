@@ -111,7 +111,7 @@ class RobustPath:
 
     Examples:
         >>> from motorcade.fusion.motions import screw
-        >>> from motorcade.fusion.smoothing.batch import RobustPath, estimate_path
+        >>> from motorcade.fusion.smoothing.batch.robust_map import RobustPath, estimate_path
         >>> found = estimate_path(screw().sampled(30.0, 2.0))
         >>> isinstance(found, RobustPath), bool(found.rejected.any())
         (True, False)
@@ -194,7 +194,7 @@ def estimate_path(
         >>> import numpy as np
         >>> from motorcade.fusion.motions import handheld
         >>> from motorcade.fusion.motions.degradations import Gaussian, Outliers
-        >>> from motorcade.fusion.smoothing.batch import estimate_path
+        >>> from motorcade.fusion.smoothing.batch.robust_map import estimate_path
         >>> rng = np.random.default_rng(0)
         >>> true = handheld(rng).sampled(rate_hz=30.0, duration_s=4.0)  # world_T_camera
         >>> noisy = Gaussian(sigma_m=0.01, sigma_rad=0.02).apply(true, rng)

@@ -8,6 +8,8 @@ A scale is fitted beside: its logarithm under `similarity`, itself under the oth
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from motorcade.fusion.smoothing.checks import checked_length, in_double
@@ -51,7 +53,7 @@ def spline(
         else part.poses.coefficients
         for part in parts
     ]
-    return _with_poses(trajectory, type(trajectory.poses)(np.concatenate(smoothed)))
+    return replace(trajectory, poses=type(trajectory.poses)(np.concatenate(smoothed)))
 
 
 def _smoothed(
@@ -61,18 +63,18 @@ def _smoothed(
     poses = trajectory.poses
     if representation.coupled > 3:
         if not isinstance(poses, Similarity):
-            return _with_poses(trajectory, _motors(trajectory, spacing_s))
+            return replace(trajectory, poses=_motors(trajectory, spacing_s))
         rigid, scale = poses.as_motor_scale()
-        fitted = _motors(_with_poses(trajectory, rigid), spacing_s)
+        fitted = _motors(replace(trajectory, poses=rigid), spacing_s)
         component = scale if representation.scale_beside else np.log(scale)
         fitted_component = _components(trajectory, component[:, None], spacing_s)[:, 0]
         grown = fitted_component if representation.scale_beside else np.exp(fitted_component)
-        return _with_poses(trajectory, Similarity.from_motor_scale(fitted, grown))
+        return replace(trajectory, poses=Similarity.from_motor_scale(fitted, grown))
     coordinates = representation.coordinates(poses)
     fitted_all = _components(trajectory, coordinates, spacing_s)
     if representation.coupled == 3:
         turning = Motor.from_rotor_translation(poses.rotor, np.zeros(3))
-        turned = _motors(_with_poses(trajectory, turning), spacing_s)
+        turned = _motors(replace(trajectory, poses=turning), spacing_s)
         fitted_all[:, :4] = turned.coefficients[:, :4]
         return restored(representation, fitted_all, trajectory)
     vector = representation.local(fitted_all, coordinates)
@@ -118,7 +120,3 @@ def _components(trajectory: Trajectory, values: FloatArray, spacing_s: float) ->
     return np.asarray(
         sum(basis[j][:, None] * controls[segment + j] for j in range(ORDER)), dtype=np.float64
     )
-
-
-def _with_poses(trajectory: Trajectory, poses: Motor | Similarity) -> Trajectory:
-    return Trajectory(trajectory.time_ns, poses, trajectory.parent, trajectory.child)

@@ -21,7 +21,7 @@ from motorcade.fusion.smoothing.batch.columns import (
 )
 from motorcade.fusion.smoothing.batch.inliers import (
     Sizes,
-    bridged,
+    bridged_poses,
     first_sizes,
     inlier_poses,
     with_rigid,
@@ -49,7 +49,7 @@ from motorcade.fusion.smoothing.representations import (
     restored,
 )
 from motorcade.fusion.smoothing.window import gaussian
-from motorcade.ga import Motor, Similarity, Trajectory
+from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray, IntArray
 
 FIRST_STEPS = 3
@@ -220,15 +220,8 @@ class PathStart:
 
     def written(self, representation: Representation) -> tuple[Measured, FloatArray]:
         """The measured poses, and the chain's with what lies between them, as coordinates."""
-        poses, kept = self.trajectory.poses, self.weights > 0.0
         time_s = self.trajectory.time_s
-        rigid = bridged(time_s, poses.rigid, kept)
-        between = poses
-        if isinstance(poses, Similarity):
-            log_scale = np.interp(time_s, time_s[kept], np.log(poses.scale[kept]))
-            between = Similarity.from_motor_scale(rigid, np.exp(log_scale))
-        else:
-            between = rigid
+        between = bridged_poses(time_s, self.trajectory.poses, self.weights > 0.0)
         if representation.coupled:
             # Summed up along a path with noise, steps would wander.
             usual_s = float(np.median(np.diff(time_s)))

@@ -8,7 +8,7 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian
 from motorcade.fusion.smoothing import ConstantVelocityFilter, smooth, smoothed_automatically
-from motorcade.fusion.smoothing.batch import estimate_path
+from motorcade.fusion.smoothing.batch.robust_map import estimate_path
 from motorcade.fusion.smoothing.causal import Exponential, smoothed_states
 from motorcade.fusion.smoothing.native import _scans
 from motorcade.fusion.smoothing.representations import (

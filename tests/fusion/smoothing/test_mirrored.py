@@ -14,9 +14,9 @@ from motorcade.fusion.motions.degradations import (
 )
 from motorcade.fusion.smoothing import smoothed_automatically
 from motorcade.fusion.smoothing.auto import AutomaticPath
-from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch.inliers import Sizes
 from motorcade.fusion.smoothing.batch.mirrored import mirrored_back
+from motorcade.fusion.smoothing.batch.robust_map import estimate_path
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from tests.bench.smoothing.cells import cell, left, motion

@@ -9,9 +9,8 @@ import pytest
 from motorcade.fusion.motions import MOTIONS
 from motorcade.fusion.motions.degradations import Gaussian, Outliers, PlanarFlips
 from motorcade.fusion.smoothing import REPRESENTATIONS, smooth
-from motorcade.fusion.smoothing.batch import estimate_path
 from motorcade.fusion.smoothing.batch.inliers import Problem, Sizes, bridged, inlier_poses
-from motorcade.fusion.smoothing.batch.robust_map import parts
+from motorcade.fusion.smoothing.batch.robust_map import estimate_path, parts
 from motorcade.ga import Motor, Similarity, Trajectory
 from motorcade.ga.arrays import FloatArray
 
