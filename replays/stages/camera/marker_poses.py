@@ -105,21 +105,12 @@ def marker_poses(
         noise_px, scale = _noise(shown, streams[_ONLY], border_share(recording.markers.family))
         scale_sigma = scale if known is None else 0.0
     floor_px = max(noise_px, SIGMA_FLOOR_PX)
-
-    def map_or_track(
-        streams: Mapping[str, CornerStream], most_px: float = np.inf
-    ) -> MappedRecording:
-        rig_T_camera = seen.rig_T_camera
-        if known is not None:
-            return track_rig(known, streams, rig_T_camera, floor_px=floor_px, most_px=most_px)
-        return map_markers(
-            streams,
-            seen.side_m,
-            rig_T_camera,
-            posed=seen.posed,
-            floor_px=floor_px,
-            most_px=most_px,
-        )
+    by_corners: Callable[..., MappedRecording] = partial(
+        map_markers, side_m=seen.side_m, posed=seen.posed
+    )
+    if known is not None:
+        by_corners = partial(track_rig, known)
+    map_or_track = partial(by_corners, rig_T_camera=seen.rig_T_camera, floor_px=floor_px)
 
     mapped = map_or_track(streams)
     audit: tuple[AuditFinding, ...] = (_doubled(twice),) if twice else ()
