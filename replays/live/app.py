@@ -125,14 +125,14 @@ class BrowserClock:
     begun_ns: int
     now_s: float
     last_ns: int = -1
-    _first_ms: float | None = None
+    _first_ms: float = math.nan
 
     def stamp_ns(self, stamp_ms: float, now_s: float) -> int:
         """Where a stamp is put.
 
         Raises ValueError: it is not later than the one before, or has jumped.
         """
-        if self._first_ms is None:
+        if math.isnan(self._first_ms):
             self._first_ms, self.now_s = stamp_ms, now_s
         stamp_ns = self.at(stamp_ms)
         if stamp_ns <= self.last_ns:
@@ -144,17 +144,14 @@ class BrowserClock:
 
     def at(self, stamp_ms: float) -> int:
         """Where a moment of the browser's clock is put, once that has begun."""
-        assert self._first_ms is not None  # begun by a frame
         return self.begun_ns + round(1e6 * (stamp_ms - self._first_ms))
 
     def goes_on(self, stamp_ms: float, now_s: float) -> bool:
         """Whether a browser that comes goes by this clock, and is the one that went."""
-        if self._first_ms is None or self.at(stamp_ms) <= self.last_ns:
-            return False
-        return self._drift_s(stamp_ms, now_s) < SAME_CLOCK_S
+        fits = self._drift_s(stamp_ms, now_s) < SAME_CLOCK_S
+        return fits and self.at(stamp_ms) > self.last_ns
 
     def _drift_s(self, stamp_ms: float, now_s: float) -> float:
-        assert self._first_ms is not None  # begun by a frame
         return abs(1e-3 * (stamp_ms - self._first_ms) - (now_s - self.now_s))
 
 

@@ -113,6 +113,10 @@ class LiveFigure:
         self.position_m = self._within(at_m)
         self.heading_rad = self._towards(self.position_m, eye_m)
 
+    def leave(self) -> None:
+        """Stand nowhere."""
+        self._walk = self.position_m = None
+
     def drag(self, to_m: FloatArray) -> None:
         """Stand elsewhere, facing as before."""
         self._walk = None
@@ -396,6 +400,7 @@ class LiveSession:
     _poses: OrderedDict[int, LivePose] = field(default_factory=OrderedDict)
     _time_s: float = 0.0
     _begun_ns: int | None = None
+    _map_number: int = 0
 
     def take(self, frame: LiveFrame, number: int = 0) -> LivePose:
         """Track a frame; `number` is what gestures call it by. Raises as `LiveTracker.update`."""
@@ -403,6 +408,9 @@ class LiveSession:
         if self._begun_ns is None:
             self._begun_ns = frame.time_ns
         self._time_s = 1e-9 * (frame.time_ns - self._begun_ns)
+        if pose.map_number != self._map_number:  # where it stood is not known any more
+            self._map_number = pose.map_number
+            self.figure.leave()
         self.measure.tracked(pose)
         self._poses[number] = pose
         while len(self._poses) > _POSES_KEPT:
@@ -425,9 +433,8 @@ class LiveSession:
     def told(self) -> dict[str, Any]:
         """Figures of the last seconds, and what there is to say of camera and recording."""
         recorded = "" if self.recorder is None else self.recorder.status
-        known = (self.tracker.camera_status, self.tracker.inertial.status)
-        status = "; ".join(text for text in known if text)
-        return {**self.measure.figures(), "camera_status": status, "recorded": recorded}
+        known = filter(None, (self.tracker.camera_status, self.tracker.inertial.status))
+        return {**self.measure.figures(), "camera_status": "; ".join(known), "recorded": recorded}
 
     def gesture(self, message: Mapping[str, Any]) -> None:
         """Do what a finger meant: stand, walk, drag (to a pixel), turn (rad), resize (a factor).
@@ -462,7 +469,7 @@ class LiveSession:
     def _by_pixel(self, act: str, message: Mapping[str, Any]) -> None:
         number = message.get("frame")
         pose = self._poses.get(number) if type(number) is int else None
-        if pose is None or pose.world_T_camera is None or pose.camera is None:
+        if pose is None or pose.camera is None or self.tracker.in_world(pose) is None:
             raise ValueError("frame: expected one that is on show and has a pose")
         pixels = pixels_of(message, 1)
         if len(pixels) != 1:
@@ -470,7 +477,7 @@ class LiveSession:
         if act in ("stand", "walk") and self.tracker.choose_ground(pose, pixels[0]):
             act = "stand"  # nobody walks from one plane to another
         motor = self.tracker.in_world(pose)
-        assert motor is not None  # it had one in the world before
+        assert motor is not None  # as before
         eye: FloatArray = motor.translation_m
         ray = Ray(eye, motor.rotor.apply(pose.camera.bearings(pixels[0])))
         point = _GROUND.met_by(ray)[:2]

@@ -206,6 +206,7 @@ class LivePose:
             fitted to the others, has them; empty where none can be spared.
         measured: whether the pose was measured in this very frame.
         world_T_map: with SLAM, where its map lies in the world of this pose.
+        map_number: with SLAM, of that map: nothing is known between two.
     """
 
     time_ns: int
@@ -216,6 +217,7 @@ class LivePose:
     held_out_px: FloatArray = field(default_factory=lambda: np.zeros(0))
     measured: bool = False
     world_T_map: Motor | None = None
+    map_number: int = 0
 
 
 class LiveTracker:
@@ -308,15 +310,18 @@ class LiveTracker:
 
         Raises ValueError: nothing flat is mapped there.
         """
-        if self._slam is None or not self._slam.choose_plane(pose, pixel):
+        motor = self.in_world(pose)
+        if self._slam is None or motor is None or not self._slam.choose_plane(motor, pixel):
             return False
         self._measured_ns = None  # what was smoothed is of another world
         return True
 
     def in_world(self, pose: LivePose) -> Motor | None:
-        """``world_T_camera`` of an earlier frame, in the world that is now."""
+        """``world_T_camera`` of an earlier frame, in the world that is now; None where unknown."""
         if self._slam is None or pose.world_T_map is None or pose.world_T_camera is None:
             return pose.world_T_camera
+        if pose.map_number != self._slam.map_number:
+            return None
         return self._slam.world_T_map @ pose.world_T_map.inverse() @ pose.world_T_camera
 
     def forget_inertial(self) -> None:
@@ -491,7 +496,7 @@ class _PlaneSlam:
         self._slam = VisualSlam(camera, SlamSettings(threads=True))
         self.world_T_map = Motor.identity()
         self._flat = False
-        self._map_number = -1
+        self.map_number = 0
         self._tracked = 0
 
     def update(self, frame: LiveFrame) -> LivePose:
@@ -500,10 +505,9 @@ class _PlaneSlam:
             why = "the place is not recognised"
             if seen.state == "initialising":
                 why = "move sideways, so that depth is seen"
-            lost = LivePose(frame.time_ns, "lost", why, camera=self._camera)
-            return replace(lost, world_T_map=self.world_T_map)
-        if seen.map_number != self._map_number:
-            self.world_T_map, self._map_number = Motor.identity(), seen.map_number
+            return self._of_map(LivePose(frame.time_ns, "lost", why))
+        if seen.map_number != self.map_number:
+            self.world_T_map, self.map_number = Motor.identity(), seen.map_number
             self._flat, self._tracked = False, 0
         self._tracked += 1
         if not self._flat and self._tracked % _PLANE_EVERY == 0:
@@ -515,17 +519,19 @@ class _PlaneSlam:
             why = "nothing flat is found yet; tap on what is flat, or move sideways"
         state: LiveState = "weak" if why else "tracking"
         pose = LivePose(frame.time_ns, state, why, self.world_T_map @ seen.world_T_camera)
-        return replace(pose, camera=self._camera, measured=True, world_T_map=self.world_T_map)
+        return self._of_map(replace(pose, measured=True))
 
-    def choose_plane(self, pose: LivePose, pixel: FloatArray) -> bool:
+    def _of_map(self, pose: LivePose) -> LivePose:
+        pose = replace(pose, camera=self._camera, world_T_map=self.world_T_map)
+        return replace(pose, map_number=self.map_number)
+
+    def choose_plane(self, world_T_camera: Motor, pixel: FloatArray) -> bool:
         """As `LiveTracker.choose_ground`: the nearest plane that reaches the pixel's ray.
 
         Where no large plane does, one is fitted to the points near the ray. The plane that is the
         world already stays as it is, so that what stands on it does.
         """
-        if pose.world_T_map is None or pose.world_T_camera is None:
-            return False
-        map_T_camera = pose.world_T_map.inverse() @ pose.world_T_camera
+        map_T_camera = self.world_T_map.inverse() @ world_T_camera
         eye = map_T_camera.translation_m
         ray = map_T_camera.rotor.apply(self._camera.bearings(pixel))
         points = self._slam.snapshot().points

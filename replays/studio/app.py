@@ -39,12 +39,7 @@ KEPT = {"cache-control": "private, max-age=86400, immutable"}
 
 
 def studio_app(offers: Sequence[Offer], access: Access) -> ASGIApp:
-    """What is served of some runs to those whom `access` admits.
-
-    Args:
-        offers: the runs that the start page lists; the page of a single one is the start page.
-        access: the key, and the names that the server goes by.
-    """
+    """What is served of some runs to those whom `access` admits; one alone has no list before."""
     site = _Site(offers)
     register_url_convertor("number", _Number())
     routes = [

@@ -18,7 +18,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from os.path import relpath
 from pathlib import Path
 from typing import Any
@@ -387,13 +387,13 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
         if run is not None:
             raise ValueError(f"--run: expected with a scene's file, got the folder {path}")
         if (path / RUN_LOG).is_file():
-            return [_offer(path, None)]
+            return [Offer(path.absolute().name, partial(open_desk, path))]
         runs = sorted(one.parent for one in path.glob(f"*/{RUN_LOG}"))
         if not runs:
             raise ValueError(f"{path}: expected what `motorcade run` wrote, or a folder of such")
         if len(runs) > MOST_RUNS:
             log.warning("%s: the first %d of %d runs are listed", path, MOST_RUNS, len(runs))
-        return [_offer(one, None) for one in runs[:MOST_RUNS]]
+        return [Offer(run.absolute().name, partial(open_desk, run)) for run in runs[:MOST_RUNS]]
     folder = path.absolute().parent if run is None else run
     if not (folder / RUN_LOG).is_file():
         raise ValueError(
@@ -401,7 +401,7 @@ def offered(path: Path, run: Path | None = None) -> list[Offer]:
             "is edited on footage: `motorcade run RECORDING --out RUN` makes a run, and "
             f"`motorcade author {path} --run RUN` opens the scene on it"
         )
-    return [_offer(folder, path)]
+    return [Offer(folder.absolute().name, partial(open_desk, folder, path))]
 
 
 def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
@@ -417,10 +417,6 @@ def ready(offer: Offer, say: Callable[[str], None]) -> Offer:
     desk = offer.open()
     say(f"{offer.name}: {desk.frames} images, {time.monotonic() - since:.1f} s")
     return replace(offer, open=lambda: desk)
-
-
-def _offer(run: Path, scene: Path | None) -> Offer:
-    return Offer(run.absolute().name, lambda: open_desk(run, scene))
 
 
 def first_scene(filmed: Filmed, folder: Path) -> Scene:

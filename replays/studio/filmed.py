@@ -236,9 +236,8 @@ class PlayedScene:
         """Whether an object surely stands where it did at every frame."""
         at: str | None = name
         while at is not None and at not in after.anchors:
-            if at not in before.parents or before.parents[at] != after.parents[at]:
-                return False
-            if before.poses[at] is not after.poses[at]:
+            known = at in before.parents and before.parents[at] == after.parents[at]
+            if not known or before.poses[at] is not after.poses[at]:
                 return False
             if before.parts.get(at) is not after.parts.get(at):
                 return False

@@ -62,10 +62,9 @@ def name_of(message: Mapping[str, Any], key: str) -> str:
 def frame_of_axes(message: Mapping[str, Any]) -> Frame:
     """Whose axes a handle goes by; the parent's unless told. Raises ValueError: another word."""
     axes = message.get("in", "parent")
-    for frame in get_args(Frame):
-        if axes == frame:
-            return frame  # type: ignore[no-any-return]
-    raise ValueError("in: expected local, parent or global")
+    if axes not in get_args(Frame):
+        raise ValueError("in: expected local, parent or global")
+    return axes  # type: ignore[no-any-return]
 
 
 def number_of(message: Mapping[str, Any], key: str) -> float:

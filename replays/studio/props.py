@@ -93,9 +93,8 @@ class Props:
         own = scene.anchors[anchor] == filmed.first
         place = np.array([*(filmed.place_m if own else ground.position_m), 0.0])
         height_m = filmed.height_m if own else ground.height_m
-        place[:2] = free_place_m(
-            scene, anchor, scene.anchors[anchor], place[:2], height_m, filmed, frame
-        )
+        on = anchor, scene.anchors[anchor]
+        place[:2] = free_place_m(scene, *on, place[:2], height_m, filmed, frame)
         plane_T_camera = ground.world_T_plane.inverse() @ filmed.world_T_camera[frame]
         towards = plane_T_camera.translation_m[:2] - place[:2]
         turn = np.degrees(np.arctan2(towards[1], towards[0]))

@@ -127,6 +127,7 @@ class TwoFloors:
 
     map_T_floor = Motor.from_twist([0.3, -0.2, 0.1, 0.5, -0.4, 0.2])
     table = np.array([[-0.4, 0.1], [0.4, 0.7]])
+    number = 1
 
     def __init__(self, *_: object) -> None:
         rng = np.random.default_rng(3)
@@ -140,7 +141,7 @@ class TwoFloors:
 
     def track(self, time_ns: int, _: object) -> SimpleNamespace:
         pose = self.map_T_floor @ self.floor_T_camera(time_ns / STEP_NS)
-        return SimpleNamespace(world_T_camera=pose, state="tracking", map_number=0)
+        return SimpleNamespace(world_T_camera=pose, state="tracking", map_number=self.number)
 
     @staticmethod
     def floor_T_camera(at: float) -> Motor:
@@ -180,6 +181,11 @@ def test_a_figure_stands_on_the_plane_that_is_tapped(monkeypatch: pytest.MonkeyP
     near = {"frame": number, "pixels": [slam.pixel([0.2, 0.4, 0.2], number)]}
     session.gesture({"do": "walk", **near})
     assert session.figure.state(session._time_s)["motion"] == 1, "on the same plane it walks"
+    session.tracker._slam._slam.number = 2
+    assert session.shown(seen(len(poses)))["figure"] is None, "where it stood is lost with its map"
+    with pytest.raises(ValueError, match="frame: expected one that is on show"):
+        session.gesture({"do": "stand", **near})
+    near = {**near, "frame": len(poses)}
     session.tracker._slam._slam.points = np.full((90, 3), 5.0) + np.eye(3)[np.arange(90) % 3]
     with pytest.raises(ValueError, match="nothing flat is mapped there"):
         session.gesture({"do": "walk", **near})
