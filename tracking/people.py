@@ -2,8 +2,8 @@
 
 One net looks for people in some images, another segments one of them and says where to look next
 (Bazarevsky et al. 2020, "BlazePose"). Somebody counts who is found more than once, and surely once.
-Who is less than about a fifth of the image high, sits behind a table, or whose shoulders are not in
-view, is mostly missed; a statue or a drawn figure counts as a person.
+Who is less than about a quarter of the image high, sits behind a table, or whose shoulders are out
+of view, is mostly missed; a statue or a drawn figure counts as a person.
 """
 
 from __future__ import annotations
