@@ -64,6 +64,7 @@ class LivePage {
     this.motion = null;
     addEventListener("offline", () => this.#lost("no network"));
     addEventListener("online", () => {
+      if (this.socket.readyState === WebSocket.OPEN) return; // a try was quicker
       this.tries = 0;
       this.#lost("the network is back");
     });
