@@ -23,8 +23,9 @@ from motorcade.render.light import sun_share
 from motorcade.render.scene import Layer, Lighting, Surface
 from motorcade.render.shadow import shade_step_m
 
-# Half-width of the ground that can take a shadow, in heights of the character.
-SHADOW_REACH = 1.6
+# Half-width of the ground that can take a shadow, in heights of the character: at least, beyond the
+# shadow of its top, and at most.
+SHADOW_REACH = 1.6, 0.4, 4.5
 # A clip travels when the figure comes farther than this from its place, in heights, at one of these
 # many moments.
 TRAVELS, MOMENTS = 0.4, 64
@@ -95,7 +96,7 @@ def _similarities(motion: Trajectory, time_ns: IntArray | int) -> Similarity:
 class DrawnFigure:
     """A figure with what stays the same over all frames."""
 
-    def __init__(self, figure: Performer) -> None:
+    def __init__(self, figure: Performer, lighting: Lighting) -> None:
         self.performer = figure
         self.character, self.clip, self.placement = (
             figure.character,
@@ -109,7 +110,10 @@ class DrawnFigure:
             grown = float(np.max(_similarities(figure.motion, figure.motion.time_ns).scale))
             wide_m = float(np.ptp(self.character.vertices, axis=0).max())
             self.height_m = self.placement.scale * grown * wide_m
-        self.half_width_m = SHADOW_REACH * self.height_m
+        least, beyond, most = SHADOW_REACH
+        sun, _ = self.sun_on(self.placement.world_T_character, lighting)
+        length = float(np.hypot(*sun[:2])) / max(-float(sun[2]), 1.0 / most)
+        self.half_width_m = min(max(length + beyond, least), most) * self.height_m
         self.travels = figure.motion is not None or self._travels()
         self.surface = Surface(
             self.placement.apply(self.character.vertices),

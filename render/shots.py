@@ -170,7 +170,7 @@ class FilmStage:
         views: SceneViews | None = None,
     ) -> None:
         self.lens = LensWarp(camera)
-        self.figures = [DrawnFigure(figure) for figure in performers]
+        self.figures = [DrawnFigure(figure, lighting) for figure in performers]
         self.lighting = lit_together(lighting, self.figures)
         self.height_m = max(figure.height_m for figure in self.figures)
         still = [figure for figure in self.figures if figure.performer.ground_motion is None]

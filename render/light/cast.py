@@ -1,66 +1,104 @@
-"""Shadows that things throw on the ground, found in the images: from where, and how dark.
+"""Shadows that things throw on the ground, found in the images: from where, how dark, how soft.
 
-Around everything that stands on the ground (`GroundMap`) the light that is gone from it is compared
-with what a post in its place would take, thrown every way, as long and as soft as may be, beside
-what standing there hides of the sky: the way that explains it best tells. How far the thing's top
-reaches in the images, over the shadow's length, tells how high the light is. One thing may be a
-dark one that lies, or stand on the edge of a sheet of paper; several that say the same are
-believed.
+Whatever stands on the ground (`GroundMap`) is taken for a post: a round one whose foot, radius and
+height hide, in every image, what is not seen there as the other images show the ground. The ground
+about it, by the images in which the post hides nothing, is compared with what the post's shadow
+would take: away from the light by its height over the light's, as wide as the post, the softer the
+higher the edge that throws it, beside what standing there hides of the sky. Least squares under
+Cauchy's loss tell all of it, and how well: direction, height, darkness and width of the light.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from motorcade.ga.arrays import FloatArray
-from motorcade.render.light.ground import GroundMap
-from motorcade.render.light.sides import DARK, LARGEST, SMALLEST, CastShadow, sided_shadows
+from motorcade.render.light.ground import VEIL, GroundMap
+from motorcade.render.shadow import DISC
 
-LARGEST_INSIDE = 0.01
-"""Of the map: the inside of a thing that looks alike from everywhere."""
+SMALLEST, LARGEST, LARGEST_INSIDE = 60, 0.12, 0.01
+"""Of a thing: its cells at least, and its share of the map at most; of its inside that looks alike
+from everywhere."""
+DARK = 0.15
+"""Of the brightest ground: what is darker farther out is other ground."""
 OWN_RIM, REACH = 1.5, (3.0, 16.0, 40.0)
 """Cells beside a thing that blur mixes with it; and how far from it its shadow is looked for, in
-its radii, and at least, and at most, so many cells."""
-FEWEST_CELLS, MOST_CELLS = 100, 1200
-TURNS = 48
-LENGTHS, SOFTNESSES = np.geomspace(0.7, 8.0, 9), (0.02, 0.05, 0.09, 0.14, 0.2, 0.3)
-"""Of shadows that are tried: their ways, their lengths in the thing's radii, and by how much they
-grow softer, as a standard deviation over the distance from the thing."""
+its radii, and at least, and at most, so many cells, beyond its height."""
+FEWEST_CELLS, MOST_CELLS, POST_CELLS = 100, 1200, 900
 RESOLVED = 0.7
 """Cells: the standard deviation of a sharp rim, by the blur of images and map."""
 SCALES = (0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.05)
 """In the logarithm of light: Cauchy's weights, step by step, of the fit of the ground's own."""
 DARKER = 3.0
 """What lies darker than the fit is so many times as far from it: shadows do not count."""
-BRIGHTER, BLACKEST = 0.12, 0.08
+BRIGHTER, BLACKEST = 0.25, 0.08
 """Of the ground's light: what is brighter than its own by the first is other ground, what is darker
 than the second is black paint."""
-HIDDEN_SKY = 0.5
-"""Of the light from all sides: what a thing takes from the ground close beside it by standing
-there, at most."""
-FAINT, EXPLAINED = 0.15, 0.5
-"""A shadow takes more than the first of the light, and explains the second of what is gone."""
-TOGETHER_RAD = np.deg2rad(45.0)
-"""Things whose shadows fall farther apart are not all things with shadows."""
-AT_45 = 1.2
-"""A lamp's apparent radius over the softness of its shadows, for light at 45°: a disc of radius R
-spreads the shadow of a height h by a standard deviation of R h / 2 sin(45°)^-1.5."""
-REACHES = 0.8
-"""Of how far a thing's top is seen beyond its foot, by what scatters over cameras that stand at an
-angle of 40 to 80° to each other, as drawn rooms have it: only what most of them see scatters."""
-BEGINS = 0.5
-"""Of a thing's radius: so far before its middle begins what scatters, for cameras that stand 60°
-apart, whose lines of sight leave a round foot at the sine of half that angle. Its foot itself is
-seen alike by all."""
+FAINT, SURE, EXPLAINED = 0.15, 3.0, 0.1
+"""A shadow takes more than the first of the light, and so many of its deviations, and explains the
+last of what is gone."""
+TURNED_RAD = np.deg2rad(25.0)
+"""A shadow whose direction is less sure than this tells none."""
 BLACK = 0.1
 """Of the brightest ground: what is darker beside what scatters is a black thing."""
-FEWEST = 2
-"""Where fewer shadows are fitted, the side that is dark is asked."""
+HIDES, FAR_OFF, STANDS, WIDEST = 0.35, 9.0, 0.97, 0.12
+"""Of a post: what a hidden cell of an image costs, where one that is off by three deviations, or
+more, costs 1; the share of the cost without it that is left, or it is none; and its radius, as a
+share of the map, at most."""
+STEPS, STARTS = (0.6, 0.6, 0.3, 0.5), ((0.0, 0.0, 0.0), (-2.0, 0.0, 0.5), (0.7, 0.0, -1.0))
+"""Of the search for a post: foot in radii, logarithms of radius and height; and where it starts,
+towards the cameras and in both logarithms."""
+TURNS, SLOPES, WIDTHS = 36, np.geomspace(0.35, 3.0, 6), (0.0, 0.04)
+"""Ways, cotangents of the light's height and squares of its radius that a fit starts from."""
+LEAST = np.array([0.0, -1.6, -0.04, 0.0, 0.0, -0.7, 0.0, -0.2])
+MOST = np.array([0.0, 1.8, 0.4, 1.0, 0.6, 0.5, 0.0, 0.2])
+"""Of what `_Thing.taken` asks, way and height aside."""
+NOISE, ALIKE = 0.06, 9.0
+"""Of what is gone: its scale; and so many cells are off together."""
+USUAL = np.array([0.0, 0.2, 0.015, 0.0, 0.0, 0.0, 0.0, 0.0])
+SPREAD = np.array([np.inf, 0.6, 0.1, np.inf, np.inf, 0.25, 0.12, 0.03]) / np.sqrt(ALIKE)
+"""What is known before of what `_Thing.taken` asks, and how well: lights stand about 40° high and
+are seldom wide, a shadow is as wide and as long as its post says, nearly."""
+
+
+@dataclass(frozen=True, eq=False)
+class CastShadow:
+    """What one thing takes from the ground beside it.
+
+    Attributes:
+        middle_m: (2,) of the thing, in the ground's frame.
+        towards: (2,) unit vector on the ground, against the shadow: where the light comes from.
+        darkening: share of light that is gone where the lamp is hidden, beside what is gone
+            because the thing hides sky.
+        turn_sigma_rad: standard deviation of the direction.
+        darkening_sigma: of the darkening.
+        radius2: square of the light's apparent radius by how soft the shadow is, rad²; below 0
+            where it is sharper than the map resolves.
+        radius2_sigma: of that.
+        elevation_rad: of the light, by the thing's height; None where that is not seen.
+        elevation_sigma_rad: of that.
+
+    >>> import numpy as np
+    >>> from motorcade.render.light.cast import CastShadow
+    >>> CastShadow(np.zeros(2), np.array([1.0, 0.0]), 0.6).darkening
+    0.6
+    """
+
+    middle_m: FloatArray
+    towards: FloatArray
+    darkening: float
+    turn_sigma_rad: float = 0.1
+    darkening_sigma: float = 0.1
+    radius2: float = 0.0
+    radius2_sigma: float = 1.0
+    elevation_rad: float | None = None
+    elevation_sigma_rad: float = 0.15
 
 
 def cast_shadows(ground: GroundMap) -> list[CastShadow]:
@@ -70,31 +108,11 @@ def cast_shadows(ground: GroundMap) -> list[CastShadow]:
         ground: as several images show it.
 
     Returns:
-        One for each thing that has a shadow which falls about as the others do; none where nothing
-        stands there, where light comes from straight above or from all sides.
+        One for each thing that has a shadow; none where nothing stands there, where light comes
+        from straight above or from all sides.
     """
-    fitted = _fitted(ground)
-    if len(fitted) >= FEWEST:
-        return fitted
-    sided = sided_shadows(ground, _standing(ground))
-    return sided if len(sided) > len(fitted) else fitted
-
-
-def _fitted(ground: GroundMap) -> list[CastShadow]:
-    """Shadows as posts throw them, which fall about one way."""
-    tried = [(thing, *_tried(thing)) for thing in _things(ground)]
-    tried = [
-        fit for fit in tried if fit[2][..., 0].min() < (1.0 - EXPLAINED) * fit[1] and fit[1] > 0.0
-    ]
-    if not tried:
-        return []
-    # Each has as much to say as the others, however many cells it has.
-    likelihoods = [
-        -np.log(np.maximum(left[..., 0].min(axis=(1, 2)) / all_, 0.05)) for _, all_, left in tried
-    ]
-    common = int(np.argmax(np.sum(likelihoods, axis=0)))
-    shadows = [_shadow(ground, *one, common) for one in tried]
-    return [shadow for shadow in shadows if shadow is not None]
+    fits = (_shadow(ground, thing) for thing in _things(ground))
+    return [shadow for shadow in fits if shadow is not None]
 
 
 def things_seen(ground: GroundMap) -> int:
@@ -109,76 +127,198 @@ def things_seen(ground: GroundMap) -> int:
 
 
 @dataclass(frozen=True, eq=False)
-class _Thing:
-    """A thing and the ground around it, in cells: where its foot's middle is (2,), its radius, how
-    high it is over how high the cameras are; of each cell (N,) of the ground its place (N, 2) from
-    the foot, and the share of light that is gone by the ground's own light there.
-    """
+class _Post:
+    """A thing that stands, in cells: where its foot's middle is (2,), its radius and its height."""
 
     foot: FloatArray
     radius: float
     height: float
+
+    def hides(self, at: FloatArray, eyes: FloatArray, wider: float = 0.0) -> NDArray[np.bool_]:
+        """Whether it hides cells (N, 2) from cameras (K, 3): (K, N)."""
+        ray = at - eyes[:, None, :2]
+        apart = np.maximum(np.linalg.norm(ray, axis=2), 1e-9)
+        to_foot = self.foot - eyes[:, None, :2]
+        along = np.sum(ray * to_foot, axis=2) / apart
+        across = (ray[..., 0] * to_foot[..., 1] - ray[..., 1] * to_foot[..., 0]) / apart
+        half = np.sqrt(np.maximum((self.radius + wider) ** 2 - across**2, 0.0))
+        above = np.maximum(eyes[:, 2:] - self.height - wider, 0.01 * eyes[:, 2:])
+        beyond = (along + half) * eyes[:, 2:] / above
+        return np.asarray((half > 0.0) & (apart > along - half) & (apart < beyond))
+
+
+@dataclass(frozen=True, eq=False)
+class _Thing:
+    """A post and the ground around it: of each cell (N,) of the ground its place (N, 2) from the
+    foot, and the share of light that is gone by the ground's own light there.
+    """
+
+    post: _Post
     at: FloatArray
     lost: FloatArray
+
+    def taken(self, p: FloatArray) -> FloatArray:
+        """Share of light (N,) that a shadow takes, by the way it falls, rad, the logarithm of the
+        cotangent of the light's height, the square of its radius, how dark it is, how much of the
+        sky is hidden beside the post, the logarithms of its width over the post's and of the
+        height, and the share by which the ground is darker than its own light.
+        """
+        return np.asarray(p[3] * self.shadow(p) + p[4] * self.sky + p[7])
+
+    def shadow(self, p: FloatArray) -> FloatArray:
+        """How much (N,) of the lamp is hidden."""
+        way = np.exp(-1j * p[0]) * (self.at @ [1.0, 1j])
+        along, across = way.real, way.imag
+        width, height, elevation = (
+            self.post.radius * np.exp(p[5]),
+            np.exp(p[6]),
+            np.arctan(np.exp(-p[1])),
+        )
+        length = height * np.exp(p[1])
+        reach = np.clip(along, 0.0, length) / np.cos(elevation) ** 2
+        sides, end = (
+            np.sqrt(np.maximum(RESOLVED**2 + DISC**2 * p[2] * far**2, 0.1))
+            for far in (reach * np.cos(elevation), height / np.sin(elevation) ** 2)
+        )
+        tip = length + np.sqrt(np.maximum(width**2 - across**2, 0.1 * width**2))
+        wide = _step((width - across) / sides) - _step((-width - across) / sides)
+        return _step((along + 0.3 * width) / RESOLVED) * wide * _step((tip - along) / end)
+
+    @property
+    def sky(self) -> FloatArray:
+        """How what standing there hides of the sky falls off (N,)."""
+        apart = np.hypot(*self.at.T)
+        return np.asarray(np.exp(np.minimum(self.post.radius - apart, 0.0) / self.post.radius))
 
 
 def _things(ground: GroundMap) -> Iterator[_Thing]:
     """What stands on the ground, where enough of it is seen around."""
     solid = _standing(ground)
     count, label, stats, _ = cv2.connectedComponentsWithStats(solid)
-    bright = np.nanquantile(ground.light, 0.9) * DARK
+    eyes = ground.eyes_m / ground.cell_m + np.array([0.5, 0.5, 0.0]) * (len(solid) - 1)
     for k in range(1, count):
         area = int(stats[k, cv2.CC_STAT_AREA])
         own = label == k
         cut = sum(np.count_nonzero(edge) for edge in (own[0], own[-1], own[:, 0], own[:, -1]))
         # What lies along the map's edge is no thing; one may reach over it.
         if cut < 2.0 * np.sqrt(area) and SMALLEST <= area <= LARGEST * label.size:
-            thing = _around(ground, own, solid > 0, bright)
+            free = (own | (solid == 0)) & np.isfinite(ground.light)
+            post = _fitted(ground, own, free, eyes)
+            thing = None if post is None else _around(ground, post, free, eyes)
             if thing is not None:
                 yield thing
 
 
-def _around(
-    ground: GroundMap, thing: NDArray[np.bool_], anything: NDArray[np.bool_], bright: float
-) -> _Thing | None:
-    """A thing and the ground around it; None where too little of that is seen.
-
-    What is higher than the ground is seen farther from the cameras: it stands where it begins.
+def _guessed(own: NDArray[np.bool_], eyes: FloatArray) -> _Post:
+    """A post by where a thing scatters: what is higher than the ground is seen farther from the
+    cameras, and it stands where it begins.
     """
-    eye = ground.eye_m / ground.cell_m + 0.5 * len(thing) - 0.5
-    from_eye = np.argwhere(thing)[:, ::-1] - eye
+    eye = eyes[:, :2].mean(axis=0)
+    from_eye = np.argwhere(own)[:, ::-1] - eye
     away = from_eye.mean(axis=0)
     away /= max(float(np.linalg.norm(away)), 1e-9)
     along, across = from_eye @ away, from_eye @ [-away[1], away[0]]
-    first, last = np.quantile(along, [0.03, 0.97])
+    first = float(np.quantile(along, 0.03))
     radius = _radius(across)
     for _ in range(2):  # what stands is seen wider, the farther behind its foot
         radius = _radius(across[along < first + 2.0 * radius])
     middle = float(across[along < first + 2.0 * radius].mean())
-    from_eye_to_foot = first + BEGINS * radius
-    foot = eye + from_eye_to_foot * away + middle * np.array([-away[1], away[0]])
-    beyond = max(last - from_eye_to_foot - radius, 0.0) / REACHES
-    apart = cv2.distanceTransform((~thing).astype(np.uint8), cv2.DIST_L2, 5)
-    around = ground.flat & ~ground.printed & ~anything & (ground.light > 0.0)
-    around &= (apart > OWN_RIM) & (apart <= np.clip(REACH[0] * radius, *REACH[1:]))
-    rows, columns = np.nonzero(around)
-    light = ground.light[rows, columns]
-    if np.count_nonzero(light > bright) < FEWEST_CELLS:
-        return None
-    at = np.stack([columns, rows], axis=1) - foot
-    lost = 1.0 - light / _own_light(at, light, light > bright)
-    beside = np.hypot(*at.T) > radius + OWN_RIM  # where all see the thing, nothing scatters
-    kept = np.flatnonzero(beside & (lost > -BRIGHTER) & (lost < 1.0 - BLACKEST))
-    if len(kept) < FEWEST_CELLS:
-        return None
-    kept = kept[:: 1 + len(kept) // MOST_CELLS]
-    beyond = beyond if beyond > radius else 0.0  # else its top is not seen, or it has none
-    height = beyond / (max(from_eye_to_foot, 0.0) + radius + beyond)
-    return _Thing(foot, radius, height, at[kept], lost[kept])
+    foot = eye + (first + 0.5 * radius) * away + middle * np.array([-away[1], away[0]])
+    return _Post(foot, radius, radius)
 
 
 def _radius(across: FloatArray) -> float:
     return max(0.525 * float(np.ptp(np.quantile(across, [0.05, 0.95]))), 2.0)
+
+
+def _fitted(
+    ground: GroundMap, own: NDArray[np.bool_], free: NDArray[np.bool_], eyes: FloatArray
+) -> _Post | None:
+    """The post that hides, in each image, what that does not show as the others do; None where none
+    does. Cells (n, n) are its `own` that scatter, and `free` of other things.
+    """
+    from scipy.optimize import minimize
+
+    guess = _guessed(own, eyes)
+    wide = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * int(2.0 * guess.radius) + 7,) * 2)
+    cells = np.argwhere((cv2.dilate(own.astype(np.uint8), wide) > 0) & free)
+    cells = np.random.default_rng(0).permutation(cells)[:POST_CELLS]
+    at = cells[:, ::-1].astype(np.float64)
+    level = ground.levels[:, cells[:, 0], cells[:, 1]]
+    known, scale = np.isfinite(level), 0.5 * ground.bound
+    black = level < np.log(BLACK * np.nanquantile(ground.light, 0.9) + VEIL)
+    black &= own[cells[:, 0], cells[:, 1]]
+    away = guess.foot - eyes[:, :2].mean(axis=0)
+    away /= max(float(np.linalg.norm(away)), 1e-9)
+    axes = guess.radius * np.stack([away, [-away[1], away[0]]])
+    highest = 0.9 * float(eyes[:, 2].mean())
+
+    def post(p: FloatArray) -> _Post:
+        height = min(guess.height * float(np.exp(p[3])), highest)
+        return _Post(guess.foot + p[:2] @ axes, guess.radius * float(np.exp(p[2])), height)
+
+    def cost(hidden: NDArray[np.bool_]) -> float:
+        seen = known & ~hidden
+        shown = np.where(seen, level, np.nan)
+        seen &= np.count_nonzero(seen, axis=0) >= 2
+        off = np.where(seen, np.where(black, FAR_OFF, (shown - _median(shown)) / scale), 0.0)
+        left = np.minimum(off**2 / FAR_OFF, 1.0).sum() + HIDES * np.count_nonzero(known & ~seen)
+        return float(left)
+
+    def search(start: FloatArray, steps: FloatArray, most: int) -> tuple[float, FloatArray]:
+        simplex = start + np.vstack([np.zeros(4), np.diag(steps)])
+        ends = {"maxfev": most, "xatol": 0.01, "fatol": 1e-5 * level.size}
+        fit: Any = minimize(  # type: ignore[call-overload]
+            lambda p: cost(post(p).hides(at, eyes)),
+            start,
+            method="Nelder-Mead",
+            options={"initial_simplex": simplex, **ends},
+        )
+        return float(fit.fun), fit.x
+
+    starts = [np.array([towards, 0.0, radius, height]) for towards, radius, height in STARTS]
+    tried = [search(start, np.array(STEPS), 60) for start in starts]
+    least, best = search(min(tried, key=lambda ended: ended[0])[1], 0.5 * np.array(STEPS), 150)
+    fitted, n = post(best), len(own)
+    inside = np.all((fitted.foot > 0.0) & (fitted.foot < n)) and fitted.radius < WIDEST * n
+    return fitted if inside and least < STANDS * cost(np.zeros_like(known)) else None
+
+
+def _around(
+    ground: GroundMap, post: _Post, free: NDArray[np.bool_], eyes: FloatArray
+) -> _Thing | None:
+    """A thing and the ground around it, by the images from which it hides nothing there; None where
+    too little of that is seen.
+    """
+    rows, columns = np.indices(free.shape)
+    apart = np.hypot(columns - post.foot[0], rows - post.foot[1]) - post.radius
+    reach = np.clip(REACH[0] * post.radius, *REACH[1:]) + 1.5 * post.height
+    cells = np.argwhere((apart > OWN_RIM) & (apart < reach) & free & ~ground.printed)
+    at = cells[:, ::-1].astype(np.float64)
+    level = ground.levels[:, cells[:, 0], cells[:, 1]]
+    level = np.where(post.hides(at, eyes, wider=1.0), np.nan, level)
+    middle = _median(level)
+    light, scatter = np.exp(middle) - VEIL, 1.4826 * _median(np.abs(level - middle))
+    often = np.count_nonzero(np.isfinite(level), axis=0) >= 2
+    flat = often & (scatter < ground.bound) & (light > 0.0)
+    at, light = at[flat] - post.foot, light[flat]
+    bright = light > DARK * np.nanquantile(ground.light, 0.9)
+    if np.count_nonzero(bright) < FEWEST_CELLS:
+        return None
+    lost = 1.0 - light / _own_light(at, light, bright)
+    kept = np.flatnonzero((lost > -BRIGHTER) & (lost < 1.0 - BLACKEST))
+    kept = np.random.default_rng(0).permutation(kept)[:MOST_CELLS]
+    return _Thing(post, at[kept], lost[kept]) if len(kept) >= FEWEST_CELLS else None
+
+
+def _median(level: NDArray[np.floating[Any]]) -> FloatArray:
+    """Median (N,) of what is known of (K, N); NaN where nothing is."""
+    ordered = np.sort(level, axis=0)  # NaN at the end
+    count = np.count_nonzero(np.isfinite(level), axis=0)
+    low, high = np.maximum((count - 1) // 2, 0), count // 2
+    high = np.minimum(high, len(level) - 1)
+    n = np.arange(level.shape[1])
+    return np.asarray(0.5 * (ordered[low, n] + ordered[high, n]), np.float64)
 
 
 def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> FloatArray:
@@ -195,47 +335,27 @@ def _own_light(at: FloatArray, light: FloatArray, counts: NDArray[np.bool_]) -> 
     return np.asarray(np.exp(basis @ fitted))
 
 
-def _tried(thing: _Thing) -> tuple[float, FloatArray]:
-    """Sum of squares that hidden sky leaves of what is gone; and for each way, length and softness
-    of a shadow beside it what both leave, and what hidden sky then takes: (TURNS, LENGTHS,
-    SOFTNESSES, 2).
-    """
-    radius, apart = thing.radius, np.hypot(*thing.at.T)
-    counts = 1.0 / np.maximum(1.0, apart / (3.0 * radius))
-    lost, sky = thing.lost * counts, counts * np.exp(np.minimum(radius - apart, 0.0) / radius)
-    of_sky, by_sky = sky @ sky, sky @ lost
-    rest = lost - np.clip(by_sky / of_sky, 0.0, HIDDEN_SKY) * sky
-    tried = np.empty((TURNS, len(LENGTHS), len(SOFTNESSES), 2))
-    for k, turn in enumerate(2.0 * np.pi * np.arange(TURNS) / TURNS):
-        along, across = (
-            thing.at @ [np.cos(turn), np.sin(turn)],
-            thing.at @ [-np.sin(turn), np.cos(turn)],
-        )
-        begins = counts * _step((along + 0.3 * radius) / RESOLVED)
-        for j, softness in enumerate(SOFTNESSES):
-            sigma = RESOLVED + softness * np.maximum(along, 0.0)
-            wide = begins * (_step((radius - across) / sigma) - _step((-radius - across) / sigma))
-            ends = (LENGTHS[:, None] + 0.8) * radius - along
-            shadow = wide * _step(ends / sigma)
-            square, common, by = np.sum(shadow**2, axis=1), shadow @ sky, shadow @ lost
-            hidden = (by_sky * square - by * common) / np.maximum(of_sky * square - common**2, 1e-9)
-            hidden = np.clip(hidden, 0.0, HIDDEN_SKY)
-            dark = np.clip((by - hidden * common) / np.maximum(square, 1e-9), 0.0, 1.0)
-            left = lost - dark[:, None] * shadow - hidden[:, None] * sky
-            tried[k, :, j] = np.stack([np.sum(left**2, axis=1), hidden], axis=1)
-    return float(rest @ rest), tried
-
-
-def _darkening(thing: _Thing, turn: int, length: float, hidden: float) -> float:
-    """What a shadow takes about its middle, beside what hidden sky does; 0 where that is unseen."""
-    way = np.exp(-2j * np.pi * turn / TURNS) * (thing.at @ [1.0, 1j]) / thing.radius
-    core = (np.abs(way.imag) < 0.6) & (way.real > 0.8) & (way.real < 0.6 * (length + 0.8))
-    if np.count_nonzero(core) < 3:
-        core = (np.abs(way.imag) < 1.2) & (way.real > -0.3) & (way.real < length + 0.8)
-    if not core.any():
-        return 0.0
-    sky = hidden * np.exp(np.minimum(1.0 - np.abs(way[core]), 0.0))
-    return float(np.clip(np.median(thing.lost[core] - sky), 0.0, 1.0))
+def _started(thing: _Thing, counts: FloatArray) -> FloatArray:
+    """What a fit starts from: the best of some ways, lengths and widths."""
+    start = np.zeros(8)
+    start[6] = np.log(thing.post.height)
+    rest = np.column_stack([thing.sky, np.ones(len(counts))]) * counts[:, None]
+    inverse = np.linalg.pinv(rest)
+    lost = thing.lost * counts
+    lost = lost - rest @ (inverse @ lost)
+    best, most = start, -np.inf
+    for turn in 2.0 * np.pi * np.arange(TURNS) / TURNS:
+        for slope in np.log(SLOPES):
+            for radius2 in WIDTHS:
+                start[:3] = turn, slope, radius2
+                shadow = thing.shadow(start) * counts
+                own = shadow - rest @ (inverse @ shadow)
+                dark = float(own @ lost) / max(float(own @ own), 1e-9)
+                if dark > 0.0 and dark * float(own @ lost) > most:
+                    best, most = start.copy(), dark * float(own @ lost)
+                    best[3] = dark
+                    best[[4, 7]] = inverse @ (thing.lost * counts - dark * shadow)
+    return best
 
 
 def _step(x: FloatArray) -> FloatArray:
@@ -243,33 +363,55 @@ def _step(x: FloatArray) -> FloatArray:
     return np.asarray(1.0 / (1.0 + np.exp(np.clip(-1.702 * x, -40.0, 40.0))))
 
 
-def _shadow(
-    ground: GroundMap, thing: _Thing, unexplained: float, tried: FloatArray, common: int
-) -> CastShadow | None:
-    """The best that was tried, about the way that all have in common; None where it is none."""
-    off = (np.arange(TURNS) - common + TURNS // 2) % TURNS - TURNS // 2
-    left = np.where(np.abs(off) <= TOGETHER_RAD / (2.0 * np.pi) * TURNS, tried[..., 0].T, np.inf).T
-    turn, length, softness = map(int, np.unravel_index(int(np.argmin(left)), left.shape))
-    dark, weight = (
-        _darkening(thing, turn, LENGTHS[length], float(tried[turn, length, softness, 1])),
-        1.0 - float(left.min()) / unexplained,
+def _shadow(ground: GroundMap, thing: _Thing) -> CastShadow | None:
+    """The shadow that explains best what is gone around a thing; None where it is none."""
+    from scipy.optimize import least_squares
+
+    post = thing.post
+    counts = 1.0 / np.maximum(1.0, np.hypot(*thing.at.T) / (3.0 * post.radius))
+    start = _started(thing, counts)
+    usual = USUAL.copy()
+    usual[6] = start[6]
+
+    def robust(left: FloatArray) -> FloatArray:
+        """Of which half the squares are Cauchy's loss."""
+        left = counts * left / NOISE
+        return np.asarray(np.sign(left) * 2.0 * np.sqrt(np.log1p(0.25 * left**2)))
+
+    def off(p: FloatArray) -> FloatArray:
+        return np.concatenate([robust(thing.taken(p) - thing.lost), (p - usual) / SPREAD])
+
+    low, high = LEAST.copy(), MOST.copy()
+    low[[0, 6]], high[[0, 6]] = start[[0, 6]] - [1.0, 2.0], start[[0, 6]] + [1.0, 2.0]
+    fit = least_squares(off, np.clip(start, low, high), bounds=(low, high), max_nfev=40)
+    p, slopes = fit.x, np.asarray(fit.jac)
+    sigma = np.sqrt(ALIKE * np.diag(np.linalg.pinv(slopes.T @ slopes)))
+    plain = np.column_stack([thing.sky, np.ones(len(counts))]) * counts[:, None]
+    without = thing.lost - (plain / counts[:, None]) @ (
+        np.linalg.pinv(plain) @ (thing.lost * counts)
     )
-    if dark < FAINT or weight < EXPLAINED:
+    turned = p + np.pi * (np.arange(len(p)) == 0)
+    left, other, all_gone = (
+        float(np.sum(robust(gone) ** 2))
+        for gone in (thing.taken(p) - thing.lost, thing.taken(turned) - thing.lost, without)
+    )
+    dark, explained = p[3] / (1.0 - p[7]), 1.0 - left / all_gone
+    if dark < max(FAINT, SURE * sigma[3]) or sigma[0] > TURNED_RAD or explained < EXPLAINED:
         return None
-    before, own, after = tried[[turn - 1, turn, (turn + 1) % TURNS], ..., 0].min(axis=(1, 2))
-    fine = 0.5 * (before - after) / max(before - 2.0 * own + after, 1e-12)
-    angle = 2.0 * np.pi * (float(turn) + float(np.clip(fine, -0.5, 0.5))) / TURNS
-    elevation = None
-    if ground.eye_high_m > 0.0 and thing.height > 0.0:
-        high = thing.height * ground.eye_high_m / ground.cell_m
-        elevation = float(np.arctan2(high, LENGTHS[length] * thing.radius))
+    # What is dark on the other side as well, or runs into a bound, is something else.
+    if 1.0 - other / all_gone > 0.5 * explained or np.any(p[1:3] > 0.97 * MOST[1:3]):
+        return None
+    slope = np.exp(p[1])
     return CastShadow(
-        (thing.foot + 0.5 - 0.5 * len(ground.light)) * ground.cell_m,
-        -np.array([np.cos(angle), np.sin(angle)]),
-        dark,
-        weight,
-        float(AT_45 * SOFTNESSES[softness]) if softness else 0.0,
-        elevation,
+        (post.foot + 0.5 - 0.5 * len(ground.light)) * ground.cell_m,
+        -np.array([np.cos(p[0]), np.sin(p[0])]),
+        float(dark),
+        float(sigma[0]),
+        float(sigma[3]),
+        float(p[2]),
+        float(sigma[2]),
+        float(np.arctan(1.0 / slope)),
+        float(sigma[1] * slope / (1.0 + slope**2)),
     )
 
 

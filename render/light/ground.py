@@ -157,15 +157,17 @@ class GroundMap:
         full: (n, n) whether more than half of the images are overexposed there.
         printed: (n, n) what is known to be a print that lies there.
         bound: the scatter from which on a cell is not flat.
-        eye_m: (2,) mean place of the cameras, in the ground's frame.
-        eye_high_m: how high they are above it; 0 where that is unknown.
+        levels: (K, n, n) logarithm of the light that each image shows, `VEIL` added, exposures
+            evened; NaN where it is not seen.
+        eyes_m: (K, 3) where each was taken, in the ground's frame.
 
     >>> import numpy as np
     >>> from motorcade.ga import Motor
     >>> from motorcade.render.light.ground import GroundMap
     >>> even = np.full((4, 4), 0.5)
     >>> none = np.zeros((4, 4), bool)
-    >>> lawn = GroundMap(Motor.identity(), 0.1, even, 0.0 * even, none, none, 0.1, np.zeros(2))
+    >>> seen = np.log(even)[None], np.array([[0.0, 0.0, 1.0]])
+    >>> lawn = GroundMap(Motor.identity(), 0.1, even, 0.0 * even, none, none, 0.1, *seen)
     >>> bool(lawn.flat.all()), lawn.points_m()[0, 0].round(3)
     (True, array([-0.15, -0.15,  0.  ]))
     """
@@ -177,8 +179,8 @@ class GroundMap:
     full: NDArray[np.bool_]
     printed: NDArray[np.bool_]
     bound: float
-    eye_m: FloatArray
-    eye_high_m: float = 0.0
+    levels: NDArray[np.float32]
+    eyes_m: FloatArray
 
     @property
     def flat(self) -> NDArray[np.bool_]:
@@ -234,13 +236,12 @@ def ground_map(
     if not often.any():
         return None
     level, scatter, overexposed = (np.full(often.shape, np.nan) for _ in range(3))
-    level[often], scatter[often], overexposed[often] = _evened(
+    stack[:, often], level[often], scatter[often], overexposed[often] = _evened(
         stack[:, often], bright[:, often], square[:, often]
     )
     printed = _printed(world_T_ground, cell_m, prints)
     bound = max(SCATTER, USUAL * float(np.median(scatter[often])))
     light, full_there = np.exp(level) - VEIL, overexposed > 0.5
-    *eye_m, high_m = eyes[above].mean(axis=0)
     return GroundMap(
         world_T_ground,
         cell_m,
@@ -249,16 +250,16 @@ def ground_map(
         full_there,
         printed,
         bound,
-        np.array(eye_m),
-        float(high_m),
+        stack.astype(np.float32),
+        eyes[above],
     )
 
 
 def _evened(
     level: FloatArray, full: NDArray[np.bool_], square: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Median and scatter of the logarithm of light (K, N), and the share of images overexposed,
-    once exposure and vignetting are taken out, told by the median of what they make.
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """The logarithm of light (K, N), its median, scatter and the share of images overexposed, once
+    exposure and vignetting are taken out, told by the median of what they make.
     """
     known = np.isfinite(level)
     away = square - np.nanmean(square, axis=0)
@@ -272,7 +273,7 @@ def _evened(
         level = level - np.where(full, 0.0, _middle(off))
     middle = np.nanmedian(level, axis=0)
     scatter = 1.4826 * np.nanmedian(np.abs(level - middle), axis=0)
-    return middle, scatter, np.sum(full & known, axis=0) / np.sum(known, axis=0)
+    return level, middle, scatter, np.sum(full & known, axis=0) / np.sum(known, axis=0)
 
 
 def _middle(off: FloatArray) -> FloatArray:

@@ -6,7 +6,8 @@ colour constancy", 2004) and brightness by a scene whose mean is middle grey; ha
 is believed. Three things tell where light comes from, and every direction of the sky is weighed by
 all:
 
-- shadows beside what stands on the ground (`cast_shadows`) say from which side, not how high;
+- shadows beside what stands on the ground (`cast_shadows`) say from which side, and how high by
+  how long they are;
 - paper on faces of known planes, turned several ways, says how much light each gets: ambient and
   one lamp by Lambert's law say from where;
 - a print on the ground that is brighter towards one side has its light on that side, be it because
@@ -29,7 +30,7 @@ from motorcade.animation.appearance import to_linear
 from motorcade.ga import Motor, Trajectory
 from motorcade.ga.arrays import FloatArray
 from motorcade.render.composite import as_rgb
-from motorcade.render.light.cast import cast_shadows, things_seen
+from motorcade.render.light.cast import CastShadow, cast_shadows, things_seen
 from motorcade.render.light.estimate import ShadedPoints, estimate_light, shaded_points
 from motorcade.render.light.ground import GroundMap, Prints, ground_map, light_on_paper
 from motorcade.render.light.lamps import (
@@ -39,7 +40,6 @@ from motorcade.render.light.lamps import (
     light_on,
     sunlight_direction,
 )
-from motorcade.render.light.sides import CastShadow
 from motorcade.render.scene import BRIGHTEST, DepthArray, ImageArray, Lamp, Lighting, Sun
 from motorcade.tracking.cameras.camera import Camera
 
@@ -113,7 +113,8 @@ class ExposureMeter:
     >>> from motorcade.render.light import ExposureMeter
     >>> from motorcade.render.light.ground import GroundMap
     >>> none, light = np.zeros((8, 8), bool), np.full((8, 8), 0.5)
-    >>> lawn = GroundMap(Motor.identity(), 0.1, light, 0 * light, none, none, 0.1, np.zeros(2))
+    >>> seen = np.log(light)[None], np.array([[0.0, 0.0, 1.0]])
+    >>> lawn = GroundMap(Motor.identity(), 0.1, light, 0 * light, none, none, 0.1, *seen)
     >>> len(ExposureMeter(lawn).points_m)
     64
     """
@@ -158,12 +159,11 @@ SHADOWLESS = 2
 """So many things without a shadow show that light comes from all sides."""
 SOFT_RAD = 0.35
 """Apparent radius of a light whose direction nothing tells: a window's, or a ceiling's lamps'."""
-RADII_RAD = (0.05, 0.2)
-"""Of a lamp or window, at least and at most: wider ones are sky, which the even light is; the rims
-of low, round things tell too much, since their own hidden sky adds to the rim."""
-DARKEST = 0.85
-"""The quantile of shadows that tells how dark they are: soft ones of small things are full nowhere,
-and one may be something else."""
+RADII_RAD = (0.0047, 0.35)
+"""Of the light: the sun's, and a window's; wider ones are sky, which the even light is."""
+USUAL_RADIUS2, DARK_SIGMA = (0.015, 0.05), 0.05
+"""Square of a light's radius, and its deviation, before shadows are asked; and by how much shadows
+differ in darkness, be they as sure as they may."""
 STEEP = 0.25
 """Least height of the sun, as a sine: lower ones throw shadows that nobody believes."""
 
@@ -355,7 +355,9 @@ DIRECTIONS = 1500
 ELEVATIONS_RAD = np.deg2rad([15.0, 75.0])
 """Lamps and windows are seldom lower or higher; all between are as likely."""
 SELDOM = 0.1
-SHADOW_RAD, HEIGHT_RAD, SLOPE_RAD = np.deg2rad([15.0, 8.0, 35.0])
+SHADOW_RAD, HEIGHT_RAD, SLOPE_RAD = np.deg2rad([4.0, 2.0, 35.0])
+"""Of shadows beside what their fits say: things are no round posts."""
+WITHIN = 0.68
 WRONG = 0.25
 """Of shadows, slopes and faces: so many are something else, and say nothing."""
 PAPERS, FEWEST_FACES = 0.25, 5
@@ -372,7 +374,7 @@ class LightDirection:
 
     Attributes:
         towards: (3,) unit, world, to the light; None where it is unknown.
-        doubt_rad: root mean square angle between it and all directions that remain.
+        doubt_rad: angle about it within which 68 % of what remains lies.
         darkening: share of light that is gone from the ground close beside things, in their
             shadow; None where none is seen.
         reason: by what, or why it is unknown.
@@ -419,10 +421,10 @@ def light_direction(
         side = np.arctan2(sky @ y, sky @ x)
         for shadow in shadows:
             turn = np.arctan2(shadow.towards[1], shadow.towards[0])
-            weight = weight * _near(side - turn, SHADOW_RAD) ** shadow.weight
-        heights = [one.elevation_rad for one in shadows if one.elevation_rad is not None]
-        if heights:
-            weight = weight * _near(height - float(np.median(heights)), HEIGHT_RAD)
+            weight = weight * _near(side - turn, float(np.hypot(shadow.turn_sigma_rad, SHADOW_RAD)))
+            if shadow.elevation_rad is not None:
+                doubt = float(np.hypot(shadow.elevation_sigma_rad, HEIGHT_RAD))
+                weight = weight * _near(height - shadow.elevation_rad, doubt)
         if shadows:
             by.append("1 shadow" if len(shadows) == 1 else f"{len(shadows)} shadows")
         slope = _slope(ground)
@@ -438,7 +440,9 @@ def light_direction(
         return LightDirection(None, np.pi, None, "no shadow, slope or faces of several planes tell")
     towards = middle / length
     apart = np.arccos(np.clip(sky @ towards, -1.0, 1.0))
-    doubt = float(np.sqrt(np.average(apart**2, weights=weight)))
+    order = np.argsort(apart)
+    within = np.cumsum(weight[order]) >= WITHIN * weight.sum()
+    doubt = float(apart[order][np.argmax(within)])
     named = " and ".join(by)
     if doubt > MOST_DOUBT_RAD:
         why = f"{named} leave directions {np.rad2deg(doubt):.0f}° apart"
@@ -513,16 +517,21 @@ def _slope(ground: GroundMap) -> FloatArray | None:
 def _shadow_look(
     ground: GroundMap | None, shadows: Sequence[CastShadow], towards: FloatArray | None, text: str
 ) -> tuple[float | None, str, float | None]:
-    """How dark, and of how wide a lamp, shadows are that fall away from the light: of those that
-    are seen out to their ends, if there are such, since of others the rim alone may be.
+    """How dark shadows that fall away from the light are, and of how wide a lamp, each as sure as
+    its fit is.
     """
     if ground is None:
         return None, text, None
     own = None if towards is None else ground.world_T_ground.rotor.inverse().apply(towards)[:2]
-    kept = [one for one in shadows if own is None or one.towards @ own > 0.5 * np.linalg.norm(own)]
-    whole = [one for one in kept if one.lamp_radius_rad is not None]
-    radii = [one.lamp_radius_rad for one in whole if one.lamp_radius_rad is not None]
-    dark = None
-    if kept:
-        dark = float(np.quantile([one.darkening for one in whole or kept], DARKEST))
-    return dark, text, float(np.median(radii)) if radii else None
+    kept = [one for one in shadows if own is None or one.towards @ own > 0.9 * np.linalg.norm(own)]
+    if not kept:
+        return None, text, None
+    dark, dark_sigma, wide, wide_sigma = np.array(
+        [(one.darkening, one.darkening_sigma, one.radius2, one.radius2_sigma) for one in kept]
+    ).T
+    order, counts = np.argsort(dark), 1.0 / (dark_sigma**2 + DARK_SIGMA**2)
+    middle = np.searchsorted(np.cumsum(counts[order]), 0.5 * counts.sum())
+    counts = 1.0 / wide_sigma**2
+    usual, few = USUAL_RADIUS2
+    radius2 = (counts @ wide + usual / few**2) / (counts.sum() + 1.0 / few**2)
+    return float(dark[order][middle]), text, float(np.sqrt(max(radius2, 0.0)))

@@ -9,8 +9,8 @@ byte of a hundred and its mean, beside it as the room's camera takes it.
 Rooms are drawn by a path of their own, which shares nothing with the overlay: bodies' triangles are
 projected on the ground from points of the lamp and of the sky, the ground goes into the image by
 a homography, and things are painted from far to near. Each room is lit twice: by a lamp, and by a
-window so bright that white paper is overexposed. A row each; ends with 1 where a shadow is beyond
-its bounds.
+window so bright that white paper is overexposed. Courtyards have no board, gravel or slabs for a
+ground, and the sun. A row each; ends with 1 where a shadow is beyond its bounds.
 """
 
 from __future__ import annotations
@@ -92,11 +92,14 @@ class Thing:
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """Paint (CELLS, CELLS, 3) of the ground, what stands on it, and the cameras (VIEWS,)."""
+    """Paint (CELLS, CELLS, 3) of the ground, what stands on it, the cameras (VIEWS,), and whether
+    a board lies there.
+    """
 
     paint: FloatArray
     things: list[Thing]
     poses: Motor
+    board: bool = True
 
 
 @dataclass(frozen=True)
@@ -159,12 +162,37 @@ def drawn_room(rng: np.random.Generator) -> Room:
     return Room(paint, things, _hand_held(rng))
 
 
-def _hand_held(rng: np.random.Generator) -> Motor:
+def drawn_courtyard(rng: np.random.Generator) -> Room:
+    """Gravel, or slabs with joints, and posts and boxes that stand on it; no board."""
+    coarse, fine = (
+        cv2.GaussianBlur(rng.normal(0.0, 1.0, (CELLS, CELLS)), (0, 0), sigma) for sigma in (12, 1.2)
+    )
+    grain = rng.uniform(0.05, 0.12) * coarse / coarse.std() + rng.uniform(0.08, 0.2) * (
+        fine / fine.std()
+    )
+    stone = to_linear(np.array([(0.70, 0.67, 0.62), (0.55, 0.53, 0.52), (0.40, 0.47, 0.28)]))
+    paint = stone[rng.integers(3)] * np.exp(grain)[..., None]
+    if rng.random() < 0.5:
+        width = int(rng.integers(50, 90))
+        joint = (np.arange(CELLS) % width) < 3
+        paint = paint * np.where(joint[:, None] | joint, 0.5, 1.0)[..., None]
+    things = []
+    for k in range(count := int(rng.integers(2, 5))):
+        turn = 2.0 * np.pi * (k + rng.uniform(-0.3, 0.3)) / count
+        at = rng.uniform(0.16, 0.30) * np.array([np.cos(turn), np.sin(turn)])
+        corners = (4, 6, 20)[int(rng.integers(3))]
+        angle = 2.0 * np.pi * (np.arange(corners) + rng.uniform()) / corners
+        foot = rng.uniform(0.015, 0.045) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        things.append(Thing(foot + at, rng.uniform(0.04, 0.14), rng.uniform(0.02, 0.6, 3)))
+    return Room(np.clip(paint, 0.0, 1.0), things, _hand_held(rng, (30.0, 50.0)), board=False)
+
+
+def _hand_held(rng: np.random.Generator, high_deg: tuple[float, float] = (40.0, 55.0)) -> Motor:
     """Cameras (VIEWS,) on a hand's way about the board, looking at it."""
     start, span = rng.uniform(0.0, 2.0 * np.pi), np.deg2rad(rng.uniform(40.0, 80.0))
     poses = []
     for share in np.linspace(0.0, 1.0, VIEWS):
-        turn, high = start + span * share, np.deg2rad(rng.uniform(40.0, 55.0))
+        turn, high = start + span * share, np.deg2rad(rng.uniform(*high_deg))
         level = np.array([np.cos(turn) * np.cos(high), np.sin(turn) * np.cos(high), np.sin(high)])
         eye = rng.uniform(0.60, 0.72) * level
         z = rng.normal(0.0, 0.02, 3) * [1, 1, 0] - eye
@@ -183,6 +211,12 @@ def two_lights(rng: np.random.Generator) -> tuple[Light, Light]:
         Light("lamp", azimuth, lamp, 0.04, rng.uniform(0.5, 0.8), rng.uniform(0.9, 1.1)),
         Light("window", azimuth, window, 0.22, rng.uniform(0.5, 0.8), rng.uniform(1.3, 1.7)),
     )
+
+
+def sunlight(rng: np.random.Generator) -> tuple[Light]:
+    """The sun in a clear sky."""
+    azimuth, elevation = rng.uniform(-np.pi, np.pi), np.deg2rad(rng.uniform(25.0, 60.0))
+    return (Light("sun", azimuth, elevation, 0.0047, rng.uniform(0.7, 0.9), rng.uniform(0.9, 1.4)),)
 
 
 def points_of(light: Light) -> list[tuple[FloatArray, float]]:
@@ -318,7 +352,7 @@ class EmptyFootage:
     frames: list[tuple[int, ImageArray, None]]
     exposures: FloatArray
     path: Trajectory
-    prints: Prints
+    prints: Prints | None
     ground: GroundMap | None
     solid: list[FloatArray]
 
@@ -346,7 +380,9 @@ def empty_footage(room: Room, light: Light, seed: int) -> EmptyFootage:
     corners = BOARD.points_m[:, :2] - 0.5 * (
         BOARD.points_m[:, :2].min(0) + BOARD.points_m[:, :2].max(0)
     )
-    prints = Prints(Motor.identity((1,)), corners.min(axis=0)[None], corners.max(axis=0)[None])
+    prints = None
+    if room.board:
+        prints = Prints(Motor.identity((1,)), corners.min(axis=0)[None], corners.max(axis=0)[None])
     ground = ground_of_footage(frames, CAMERA, path, _placement(), prints)
     return EmptyFootage(frames, exposures, path, prints, ground, solid)
 
@@ -508,13 +544,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=8)
     parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--kind", choices=("rooms", "courtyards"), default="rooms")
     parser.add_argument("--images", type=Path)
     arguments = parser.parse_args()
-    failed = 0
+    failed = shown = 0
     for number in range(arguments.count):
         rng = np.random.default_rng([arguments.seed, number])
-        room = drawn_room(rng)
-        for light in two_lights(rng):
+        sunny = arguments.kind == "courtyards"
+        room = drawn_courtyard(rng) if sunny else drawn_room(rng)
+        for light in sunlight(rng) if sunny else two_lights(rng):
+            shown += 1
             result = replaced(room, light, 100 * arguments.seed + number, arguments.images)
             failed += bool(result.beyond)
             print(
@@ -526,7 +565,7 @@ def main() -> None:
                 f"{', '.join(result.beyond) or 'holds'}; {result.summary}",
                 flush=True,
             )
-    print(f"{failed} of {2 * arguments.count} beyond their bounds")
+    print(f"{failed} of {shown} beyond their bounds")
     sys.exit(failed > 0)
 
 
