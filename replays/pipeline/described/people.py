@@ -28,8 +28,7 @@ log = logging.getLogger("motorcade.graph")
 HOW_TO_INSTALL = "pip install ai-edge-litert && pip install --no-deps mediapipe==0.10.14"
 _NETS = ("pose_detection/pose_detection.tflite", "pose_landmark/pose_landmark_full.tflite")
 _NET_LIMIT = 1 << 26
-_LOOK_PX, _BODY_PX = 224, 256
-_GRIDS = ((28, 2), (14, 2), (7, 6))
+_LOOK_PX, _BODY_PX, _GRIDS = 224, 256, ((28, 2), (14, 2), (7, 6))
 """Anchors side by side, and how many at each place; of each it tells a box, hips and reach."""
 _EACH, _SEEN = 8, 0.1
 """Of every so many images with people corners are counted; the share that masks must leave."""
@@ -46,10 +45,11 @@ class BlazePose:
     """The nets in a folder, on one thread."""
 
     def __init__(self, folder: Path) -> None:
-        from ai_edge_litert.interpreter import Interpreter
+        from ai_edge_litert.interpreter import Interpreter, OpResolverType
 
         content = [read_bounded(folder / name, _NET_LIMIT) for name in _NETS]
-        self._nets = [Interpreter(model_content=net, num_threads=1) for net in content]
+        quiet = OpResolverType.BUILTIN_WITHOUT_DEFAULT_DELEGATES  # the faster ones write to stderr
+        self._nets = [Interpreter(None, net, None, 1, quiet) for net in content]
         anchors = [
             np.repeat(np.indices((k, k))[::-1].reshape(2, -1).T + 0.5, each, axis=0) / k
             for k, each in _GRIDS
