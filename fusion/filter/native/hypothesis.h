@@ -116,79 +116,26 @@ inline double prediction_cost(double square, double freedom) {
     return std::isfinite(square) ? std::log1p(std::max(0.0, square) / freedom) : most_cost;
 }
 
+// In refused poses, what a span that is wrong together costs, for a motion there and one back, and
+// what a jump of the map does, which lasts.
+constexpr double span_price = 2.0, jump_price = 4.0;
+// Of a denied pose besides: wrong ones are the fewer.
+constexpr double fewer = 0.05;
+// So few denied poses may cost less together than alone.
+constexpr std::size_t fewest_together = 3;
+// A step explains at most half its normalised square of log likelihood; costs are sixths of that.
+constexpr double squares_a_cost = 12.0;
+constexpr Doubt anew{false, true};
+
 template <std::size_t N> struct Hypothesis {
-    std::size_t begin = 0, since = 0;  // of the events; before `since` all is taken for wrong
+    std::size_t begin = 0;  // of the events
     std::optional<State> begun;
-    std::vector<double> given, cost;  // of the events
-    std::vector<bool> believed, apart;
-    bool bridged = false;  // the IMU alone leads from where it begins to the first pose
+    std::vector<double> given;  // of the events
+    std::vector<bool> apart, believed;
     std::vector<std::pair<std::size_t, Doubt>> doubts;
     Track<N> first;
-
-    // Whether an event counts beside another hypothesis: what is apart by either says nothing.
-    bool counts(const Hypothesis &other, std::size_t k) const {
-        return !apart[k] && !other.apart[k];
-    }
-
-    // By how much it predicts better what was measured from an event on.
-    double gain(const Hypothesis &other, std::size_t from) const {
-        double sum = 0.0;
-        for (std::size_t k = from; k < cost.size(); ++k)
-            if (counts(other, k)) sum += other.cost[k] - cost[k];
-        return sum;
-    }
-
-    // By how many measurements from an event on it explains more.
-    std::ptrdiff_t more_explained(const Hypothesis &other, std::size_t from) const {
-        std::ptrdiff_t more = 0;
-        for (std::size_t k = from; k < cost.size(); ++k)
-            if (counts(other, k)) more += believed[k] - other.believed[k];
-        return more;
-    }
-
-    // Whether it explains fewer measurements from an event on, and predicts them worse by more than
-    // one of them.
-    bool loses(const Hypothesis &other, std::size_t from, double refused) const {
-        return more_explained(other, from) < 0 && other.gain(*this, from) > refused;
-    }
-
-    // How many measurements it explains.
-    std::ptrdiff_t explained() const { return std::count(believed.begin(), believed.end(), true); }
-
-    // What all measurements cost beside another hypothesis. Denied ones in a row may be wrong
-    // together, as on a map of their own: they cost no more then than where the other believes
-    // them, as far as these may be good, and two refused poses; a jump of the map four.
-    double total(const Hypothesis &other, double refused, double good) const {
-        double sum = 4.0 * refused * static_cast<double>(doubts.size()), alone = 0.0,
-               together = 2.0 * refused;
-        for (std::size_t k = 0; k < cost.size(); ++k) {
-            if (believed[k]) {
-                sum += cost[k] + std::min(alone, together);
-                alone = 0.0, together = 2.0 * refused;
-            } else {
-                alone += cost[k];
-                if (other.believed[k]) together += std::min(other.cost[k], good);
-            }
-        }
-        return sum + std::min(alone, together);
-    }
-
-    // Whether this later start, or with more apart, is to be preferred: never with more jumps of
-    // the map; with as many, where all is predicted better although poses before it count as wrong,
-    // or no worse with less apart; with fewer, where those after it are, or are no worse where what
-    // came before them is known without.
-    bool better(const Hypothesis &other, double refused) const {
-        if (doubts.size() > other.doubts.size()) return false;
-        if (doubts.size() == other.doubts.size()) {
-            const double more = gain(other, other.since);
-            const auto some = [](const Hypothesis &one) {
-                return std::count(one.apart.begin(), one.apart.end(), true);
-            };
-            return more > refused || (more > -refused && some(*this) < some(other));
-        }
-        const std::size_t both = std::max(since, other.since);
-        return bridged ? !loses(other, both, refused) : gain(other, both) > refused;
-    }
+    double cost = 0.0;          // of all measurements
+    std::size_t explained = 0;  // so many of them
 };
 
 }  // namespace motorcade::filter

@@ -21,138 +21,30 @@ constexpr std::size_t none = static_cast<std::size_t>(-1);  // of the events
 constexpr std::size_t most_steps = 6, most_spans = 8;
 // Poses on both sides that a step may be seen at too.
 constexpr std::size_t beside = 2;
-
 template <std::size_t N> class Smoother : public Timeline<N> {
 public:
     using Timeline<N>::Timeline;
 
     // Rewrites what the sink holds for the moments passed so far. The path may as well begin at any
-    // pose that was denied near the start; what lies between two steps of the pose may be wrong
-    // together, as on a map of its own, and so may all before a step. In the end what was
-    // preferred step by step stands beside what was left behind, where that explains more: the
-    // less costly is kept. What denies most of the measurements that are explained without any
-    // such hypothesis is given up: the wrong ones are the fewer.
+    // pose that was denied near the start, or before which it steps; what lies between two steps of
+    // the pose may be wrong together, as on a map of its own. The least costly is kept, unless it
+    // denies most of the measurements that are explained without: the wrong ones are the fewer.
     void smooth() {
         this->doubt_last_jump(0);
         const auto given_up = this->given_up_;
-        Hypothesis<N> best = weigh_all(), spanned = best;
-        const Hypothesis<N> plain = best;
-        if (auto open = spans(steps()); !open.empty()) {
-            while (take_best(spanned, open, true)) continue;
-            remake(best);
-        }
-        bool other_tried = !given_up.empty() && try_starts(best, this->starts_, false);
+        const Hypothesis<N> plain = weigh_all();
         const std::vector<Step> found = steps();
-        for (auto open = spans(found); take_best(best, open, false);) continue;
         std::vector<std::size_t> starts;
+        if (!given_up.empty()) starts = this->starts_;
         for (const Step &step : found)
             if (within_bridge(0, step.event) && 2 * step.event < this->next_)
                 starts.push_back(step.event);
-        other_tried |= !found.empty();
-        if (!try_starts(best, starts, true) && other_tried) remake(best);
-        best = hypothesis(this->begin_);
-        for (const Hypothesis<N> &other : {spanned, plain})
-            if (other.explained() > best.explained() &&
-                other.total(best, refused(), good()) + 2.0 * refused() <
-                    best.total(other, refused(), good()))
-                remake(best = other);
-        if (2 * best.explained() < plain.explained()) remake(plain);
+        if (!found.empty() || !starts.empty()) remake(least_costly(plain, found, starts));
         this->given_up_ = given_up;
     }
 
 protected:
     using Span = std::pair<std::size_t, std::size_t>;  // of the events
-
-    // Each measurement weighed by what all others say of it: again, with the weights that came out,
-    // until they stay or predict worse than those before did.
-    Hypothesis<N> weigh_all() {
-        Hypothesis<N> best;
-        std::size_t since = this->begin_;
-        for (std::size_t round = 1;; ++round) {
-            jump_ = 0;
-            backward();
-            this->thorough_ = false;
-            Hypothesis<N> now = hypothesis(since);
-            if (round > 1 && now.loses(best, since, refused())) {
-                remake(best);
-                return best;
-            }
-            best = std::move(now);
-            if (round == most_rounds) return best;
-            if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) {
-                since = jump_;
-                continue;
-            }
-            if (judge_again(this->begin_, this->begin_) == none) return best;
-            this->replay(this->begin_, this->next_);
-        }
-    }
-
-    // Whether any pose before a start is where the IMU leads back to: by chance none would be.
-    bool agrees_before(const Hypothesis<N> &other) {
-        this->begin_ = 0;
-        return this->judge_before(other.first, other.begin) > 0;
-    }
-
-    // Whether any was tried; the best is taken over then.
-    bool try_starts(Hypothesis<N> &best, const std::vector<std::size_t> &starts, bool apart) {
-        if (starts.empty()) return false;
-        const Hypothesis<N> first = best;
-        for (const std::size_t start : starts) {
-            this->begin_at(start);
-            Hypothesis<N> other = weigh_all();
-            Track<N> after = other.first;
-            other.bridged = this->bridged_back(start, 0, after) || agrees_before(other);
-            if (apart) std::fill_n(other.apart.begin(), start, true);
-            if (other.better(best, refused())) best = std::move(other);
-        }
-        if (best.begin == first.begin)
-            remake(best);
-        else if (extended(best, first))
-            best = hypothesis(0);
-        else
-            remake(best = first);
-        return true;
-    }
-
-    // Whether what predicts best without one of the spans is better, which is then taken over; that
-    // span and those that it touches are no longer open. Or by as few jumps of the map, where poses
-    // at both ends of the span are off.
-    bool take_best(Hypothesis<N> &best, std::vector<Span> &open, bool off_alone) {
-        Hypothesis<N> found;
-        Span without_it;
-        double most = 0.0;
-        for (const Span &span : open) {
-            Hypothesis<N> other = without(best, span.first, span.second);
-            const double gain = other.gain(best, best.since);
-            const bool worse = off_alone ? !other.better(most > 0.0 ? found : best, refused()) ||
-                                               !off_at_ends(other, span)
-                                         : gain <= most || other.more_explained(best, 0) < 0 ||
-                                               !other.better(best, refused());
-            if (worse) continue;
-            most = std::max(gain, 1e-9), without_it = span, found = std::move(other);
-        }
-        if (most == 0.0) return false;
-        best = std::move(found);
-        const auto touched = [&](const Span &one) {
-            return one.first <= without_it.second && one.second >= without_it.first;
-        };
-        open.erase(std::remove_if(open.begin(), open.end(), touched), open.end());
-        return !open.empty();
-    }
-
-    // Whether most poses next to both ends of a span are off where all others lead. Where they are
-    // not the path does not step, and it takes no map of their own to explain them.
-    bool off_at_ends(const Hypothesis<N> &without, const Span &span) const {
-        std::vector<bool> off;
-        for (std::size_t k = span.first; k < span.second; ++k)
-            if (this->events_[k].from_pose()) off.push_back(without.cost[k] > good());
-        const auto near = static_cast<std::ptrdiff_t>(std::min(off.size(), beside + 1));
-        const auto usually = [&](auto first) {
-            return 2 * std::count(first, first + near, true) > near;
-        };
-        return usually(off.begin()) && (span.second == this->next_ || usually(off.rbegin()));
-    }
 
     // An event just before which the pose seems to step, as a normalised square.
     struct Step {
@@ -160,11 +52,99 @@ protected:
         std::size_t event;
     };
 
-    // Where a pose of the most noise would hardly explain the step, if for one of them it would not
-    // at all; and where the map was relocated, or poses begin or cease to be refused as many in a
-    // row as another hypothesis needs.
+    Hypothesis<N> least_costly(Hypothesis<N> plain, const std::vector<Step> &found,
+                               const std::vector<std::size_t> &starts) {
+        plain = with_rows(std::move(plain));
+        Hypothesis<N> best = plain;
+        leave_out(best, spans(found));
+        bool later = false;
+        for (const std::size_t start : starts)
+            for (Hypothesis<N> &other : begun_at(start, plain))
+                if (other.cost < best.cost) best = std::move(other), later = true;
+        if (later) {
+            remake(best);
+            leave_out(best, spans(steps()));
+        }
+        return 2 * best.explained < plain.explained ? plain : best;
+    }
+
+    // Each measurement weighed by what all others say of it: again, with the weights that came out,
+    // until they stay or predict worse than those before did.
+    Hypothesis<N> weigh_all() {
+        Hypothesis<N> best;
+        for (std::size_t round = 1;; ++round) {
+            jump_ = 0;
+            backward();
+            this->thorough_ = false;
+            Hypothesis<N> now = hypothesis();
+            if (round > 1 && now.cost > best.cost + refused()) {
+                remake(best);
+                return best;
+            }
+            best = std::move(now);
+            if (round == most_rounds) return best;
+            if (jump_ != 0 && this->doubt_first_jump(jump_, jumped_)) continue;
+            if (judge_again(this->begin_, this->begin_) == none) return best;
+            this->replay(this->begin_, this->next_);
+        }
+    }
+
+    // What begins at an event, with what came before it: by the IMU alone, with the poses that
+    // agree and without any; and where that tells too little on another map.
+    std::vector<Hypothesis<N>> begun_at(std::size_t start, const Hypothesis<N> &plain) {
+        this->begin_at(start);
+        const Hypothesis<N> later = weigh_all();
+        Track<N> after = later.first;
+        const bool bridged = this->bridged_back(start, 0, after);
+        std::vector<Hypothesis<N>> made;
+        const auto extend = [&](auto &&before) {
+            restore(later);
+            this->begin_ = 0;
+            before();
+            this->replay(0, this->next_);
+            made.push_back(with_rows(weigh_all()));
+        };
+        const auto apart = [&](std::size_t k, double given) {
+            // What is denied stays so: each of them alone might pass for noise.
+            this->events_[k].given = given, this->events_[k].apart = given == 0.0;
+        };
+        for (const bool any : {true, false})
+            extend([&] {
+                this->judge_before(later.first, start);
+                for (std::size_t k = 0; k < start; ++k)
+                    apart(k, any ? this->events_[k].given : 0.0);
+            });
+        if (!bridged)
+            extend([&] {
+                this->begun_ = plain.begun;
+                for (std::size_t k = 0; k < start; ++k)
+                    this->events_[k].given = plain.given[k], this->events_[k].apart = false;
+                this->events_[start].doubt = std::make_unique<Doubt>(anew);
+            });
+        return made;
+    }
+
+    // Leaves out the span without which all costs least, as long as one lowers that.
+    void leave_out(Hypothesis<N> &best, std::vector<Span> open) {
+        while (!open.empty()) {
+            const Hypothesis<N> base = best;
+            Span left_out{none, 0};
+            for (const Span &span : open)
+                if (Hypothesis<N> other = without(base, span.first, span.second);
+                    other.cost < best.cost)
+                    best = std::move(other), left_out = span;
+            if (left_out.first == none) return;
+            const auto touched = [&](const Span &one) {
+                return one.first <= left_out.second && one.second >= left_out.first;
+            };
+            open.erase(std::remove_if(open.begin(), open.end(), touched), open.end());
+        }
+    }
+
+    // Where two steps may explain as much as a span costs, and each half of that; and where the map
+    // was relocated, or some poses in a row begin or cease to be refused.
     std::vector<Step> steps() const {
-        const double most = this->settings_.most_noise;
+        const double least = 0.5 * span_price * squares_a_cost * refused();
         std::vector<Step> made;
         std::vector<std::size_t> poses;
         for (std::size_t k = 0; k < this->next_; ++k)
@@ -175,7 +155,7 @@ protected:
             const bool certain = this->events_[poses[i]].doubt || run_ends(poses, i);
             const double square =
                 certain ? std::numeric_limits<double>::infinity() : step_[poses[i]];
-            bool highest = square > most * this->settings_.middle[6];
+            bool highest = square > least;
             for (std::size_t k = first; k <= last; ++k) highest &= step_[poses[k]] <= square;
             if (highest) made.push_back({square, poses[i]});
         }
@@ -183,18 +163,20 @@ protected:
             return one.square > other.square;
         };
         std::sort(made.begin(), made.end(), larger);
-        if (made.empty() || made.front().square < most * this->settings_.gate[6]) return {};
+        if (made.empty() || made.front().square + made[made.size() > 1].square < 2.0 * least)
+            return {};
         if (made.size() > most_steps) made.resize(most_steps);
         return made;
     }
 
-    // Whether as many poses before or from one on are refused, where those across are not.
+    // Whether some poses before or from one on are refused, to the end of all if these are fewer,
+    // where those across are not.
     bool run_ends(const std::vector<std::size_t> &poses, std::size_t i) const {
         const auto wrong = [&](std::size_t k) { return this->events_[poses[k]].factor == 0.0; };
         if (wrong(i) == wrong(i - 1)) return false;
-        const std::size_t first = wrong(i) ? i : i - std::min(i, enough_hits);
-        const std::size_t last = wrong(i) ? std::min(i + enough_hits, poses.size()) : i;
-        bool all = last - first == enough_hits;
+        const std::size_t first = wrong(i) ? i : i - std::min(i, fewest_together);
+        const std::size_t last = wrong(i) ? std::min(i + fewest_together, poses.size()) : i;
+        bool all = true;
         for (std::size_t k = first; k < last; ++k) all &= wrong(k);
         return all;
     }
@@ -220,7 +202,9 @@ protected:
 
     // All between is wrong, and the path jumped nowhere. Each alone might pass for noise: they are
     // not weighed again. What began with a state that denied all before them begins at the first.
-    Hypothesis<N> without(Hypothesis<N> base, std::size_t from, std::size_t to) {
+    // Where the IMU alone tells too little to the end, all from there on is on another map.
+    Hypothesis<N> without(const Hypothesis<N> &whole, std::size_t from, std::size_t to) {
+        Hypothesis<N> base = whole;
         const auto ends = [&](const auto &one) { return one.first >= from && one.first <= to; };
         auto &doubts = base.doubts;
         doubts.erase(std::remove_if(doubts.begin(), doubts.end(), ends), doubts.end());
@@ -233,38 +217,19 @@ protected:
         for (std::size_t k = to; k < this->next_; ++k)
             if (k == to || (base.given[k] == 0.0 && !base.apart[k])) base.given[k] = undecided;
         restore(base);
-        if (to == this->next_) {
-            if (!this->bridged(this->p_, this->events_[from])) return base;
-        } else if (Event &event = this->events_[to]; event.factor == 0.0 && this->strained(event)) {
-            event.given = std::max(1.0, event.nis / this->settings_.gate[event.size]);
-            this->replay(to, this->next_);
+        if (to == this->next_ && !this->bridged(this->p_, this->events_[from])) {
+            for (std::size_t k = from; k < to; ++k)
+                base.given[k] = undecided, base.apart[k] = false;
+            doubts.emplace_back(from, anew);
+            restore(base);
+        } else if (to < this->next_) {
+            Event &event = this->events_[to];
+            if (event.factor == 0.0 && this->strained(event)) {
+                event.given = std::max(1.0, event.nis / this->settings_.gate[event.size]);
+                this->replay(to, this->next_);
+            }
         }
-        Hypothesis<N> made = weigh_all();
-        made.bridged = true;
-        return made;
-    }
-
-    // Takes a hypothesis over and adds what came before it: by the IMU alone, with the poses that
-    // agree, or where that tells too little as on another map. False where it then predicts worse.
-    bool extended(const Hypothesis<N> &best, const Hypothesis<N> &first) {
-        if (best.begin == 0) return false;
-        restore(best);
-        this->begin_ = 0;
-        if (best.bridged) {
-            this->judge_before(best.first, best.begin);
-            // What they deny stays so: each of them alone might pass for noise.
-            for (std::size_t k = 0; k < best.begin; ++k)
-                this->events_[k].apart = this->events_[k].given == 0.0;
-        } else {
-            this->begun_ = first.begun;
-            for (std::size_t k = 0; k < best.begin; ++k)
-                this->events_[k].given = first.given[k], this->events_[k].apart = false;
-            auto anew = std::make_unique<Doubt>();
-            anew->anew = true;
-            this->events_[best.begin].doubt = std::move(anew);
-        }
-        this->replay(0, this->next_);
-        return !weigh_all().loses(best, best.since, refused());
+        return with_rows(weigh_all());
     }
 
     void remake(const Hypothesis<N> &given) {
@@ -273,20 +238,83 @@ protected:
         this->thorough_ = false;
     }
 
-    Hypothesis<N> hypothesis(std::size_t since) const {
+    Hypothesis<N> hypothesis() const {
         Hypothesis<N> made;
-        made.begin = this->begin_, made.since = since, made.first = first_,
-        made.begun = this->begun_;
+        made.begin = this->begin_, made.first = first_, made.begun = this->begun_;
         for (std::size_t k = 0; k < this->next_; ++k) {
             const Event &event = this->events_[k];
             made.given.push_back(event.given);
-            const double square = k < since ? nan_d : event.left_out[0];
-            const double cost = prediction_cost(square, static_cast<double>(freedom(event)));
-            // However far off a wrong pose is, to call it wrong gains nothing.
-            made.cost.push_back(event.measures() ? std::min(cost, refused()) : 0.0);
             made.apart.push_back(event.apart);
             made.believed.push_back(event.measures() && event.factor > 0.0);
             if (event.doubt) made.doubts.emplace_back(k, *event.doubt);
+        }
+        made.explained =
+            static_cast<std::size_t>(std::count(made.believed.begin(), made.believed.end(), true));
+        made.cost = jump_price * refused() * static_cast<double>(made.doubts.size());
+        for (std::size_t k = 0; k < this->next_; ++k) made.cost += cost(k);
+        return made;
+    }
+
+    // What a measurement costs. However far off a wrong one is, to call it wrong gains nothing.
+    double cost(std::size_t k) const {
+        const Event &event = this->events_[k];
+        if (!event.measures()) return 0.0;
+        if (event.factor == 0.0) return refused() + fewer;
+        return std::min(prediction_cost(event.left_out[0], static_cast<double>(freedom(event))),
+                        refused());
+    }
+
+    // Denied poses in a row may be wrong together, as on a map of their own, by a motion there and
+    // another one back: where that is less they cost what they do on that map, and the price of it.
+    Hypothesis<N> with_rows(Hypothesis<N> made) {
+        const std::vector<Span> rows = denied_rows(made);
+        if (rows.empty()) return made;
+        std::vector<double> saved;
+        Hypothesis<N> mapped = made;
+        mapped.apart.assign(this->next_, true);
+        const auto step_at = [&](std::size_t k) {
+            const auto here = [&](const auto &one) { return one.first == k; };
+            auto &doubts = mapped.doubts;
+            doubts.erase(std::remove_if(doubts.begin(), doubts.end(), here), doubts.end());
+            if (k > 0 && k < this->next_) doubts.emplace_back(k, anew);
+        };
+        for (const auto &[from, to] : rows) {
+            saved.push_back(0.0);
+            for (std::size_t k = from; k < to; ++k) {
+                if (!this->events_[k].from_pose()) continue;
+                saved.back() += refused();
+                mapped.given[k] = 1.0, mapped.apart[k] = false;
+            }
+            if (from == 0) mapped.begun.reset();
+            step_at(from), step_at(to);
+        }
+        remake(mapped);
+        if (judge_again(this->begin_, this->begin_) != none) {
+            this->replay(this->begin_, this->next_);
+            backward();
+            this->thorough_ = false;
+        }
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            double together = span_price * refused();
+            for (std::size_t k = rows[i].first; k < rows[i].second; ++k)
+                if (this->events_[k].from_pose()) together += cost(k);
+            made.cost -= std::max(0.0, saved[i] - together);
+        }
+        return made;
+    }
+
+    // From the first of some poses in a row that are denied to the next that is not.
+    std::vector<Span> denied_rows(const Hypothesis<N> &of) const {
+        std::vector<Span> made;
+        std::size_t from = none, count = 0;
+        for (std::size_t k = 0; k <= this->next_; ++k) {
+            if (k < this->next_ && !this->events_[k].from_pose()) continue;
+            if (k < this->next_ && !of.believed[k]) {
+                if (count++ == 0) from = k;
+                continue;
+            }
+            if (count >= fewest_together) made.emplace_back(from, k);
+            count = 0;
         }
         return made;
     }
@@ -303,9 +331,6 @@ protected:
             this->events_[index].doubt = std::make_unique<Doubt>(doubt);
         this->replay(this->begin_, this->next_);
     }
-
-    // Of a pose at the gate.
-    double good() const { return prediction_cost(this->settings_.gate[6], 6.0); }
 
     // Of a pose that is taken for wrong.
     double refused() const {

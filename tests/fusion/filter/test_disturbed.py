@@ -73,6 +73,11 @@ def test_what_is_wrong_leaves_no_trace(record: Callable[..., Run], rng, how: str
         (51, 51, 0.32, 1.2),
         (58, 52, 0.27, 2.5),
         (64, 49, 0.24, 1.7),
+        (123, 10, 0.11, 1.8),
+        (65, 10, 0.12, 2.6),
+        (3, 57, 0.49, 1.7),
+        (100, 50, 0.1, 0.1),
+        (21, 40, 0.11, 1.1),
     ],
 )
 def test_a_span_wrong_together_leaves_no_trace_outside_it(
@@ -201,6 +206,7 @@ def test_recorded_flights_are_smoothed_as_without_what_is_wrong(name: str, how: 
         ("V1_03", 21, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
         ("V1_03", 41, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
         ("V1_03", 2311, Drawn(), 50),
+        ("V1_02", 30000, Drawn(), 47),
     ],
 )
 def test_most_poses_of_a_flight_are_not_denied_for_a_wrong_span(
