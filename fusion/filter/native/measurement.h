@@ -49,9 +49,9 @@ struct Known {
 
 // Where a prediction was given up: whether the pose is taken from what was measured there, as on a
 // map that was relocated, and variances added (turn, position, velocity, both biases). Where all is
-// begun anew, nothing of what was known before holds.
+// begun anew, nothing of what was known before holds, but that the map may be turned by so much.
 struct Doubt {
-    bool relocated = false, anew = false;
+    bool relocated = false, anew = false, turned = false;
     double added[5] = {};
 };
 

@@ -272,11 +272,11 @@ protected:
         std::vector<double> saved;
         Hypothesis<N> mapped = made;
         mapped.apart.assign(this->next_, true);
-        const auto step_at = [&](std::size_t k) {
+        const auto step_at = [&](std::size_t k, bool turned) {
             const auto here = [&](const auto &one) { return one.first == k; };
             auto &doubts = mapped.doubts;
             doubts.erase(std::remove_if(doubts.begin(), doubts.end(), here), doubts.end());
-            if (k > 0 && k < this->next_) doubts.emplace_back(k, anew);
+            if (k > 0 && k < this->next_) doubts.emplace_back(k, Doubt{false, true, turned});
         };
         for (const auto &[from, to] : rows) {
             saved.push_back(0.0);
@@ -285,8 +285,8 @@ protected:
                 saved.back() += refused();
                 mapped.given[k] = 1.0, mapped.apart[k] = false;
             }
-            if (from == 0) mapped.begun.reset();
-            step_at(from), step_at(to);
+            if (from == 0) this->relocate(*(mapped.begun = made.first.at), this->events_[0], true);
+            step_at(to, false), step_at(from, true);
         }
         remake(mapped);
         if (judge_again(this->begin_, this->begin_) != none) {

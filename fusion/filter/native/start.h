@@ -152,26 +152,40 @@ template <std::size_t N> void Timeline<N>::lean() {
             p_.row[i][j] += angle * angle * (axes[i] * axes[j] + axes[3 + i] * axes[3 + j]);
 }
 
-// The prediction is given up here. On a relocated map the pose is the measured one, and the
-// velocity turns along: errors, which stand on the right, know nothing of that.
+// The prediction is given up here.
 template <std::size_t N> void Timeline<N>::make_room(const Event &event, const Doubt &doubt) {
-    static constexpr double one[8] = {1.0};
-    if (doubt.anew) return begin_wide([&] { from_pose(event); });
-    if (doubt.relocated) {
-        const double *imu_T_camera = event.kind == Kind::camera_pose ? now_.imu_T_camera : one;
-        double spread[36], pose[8], from[9], to[9], own[3] = {};
-        motorcade_start(event.data, imu_T_camera, pose, spread);
-        motorcade_velocity_effect(now_.pose, from);
-        motorcade_velocity_effect(pose, to);
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t k = 0; k < 3; ++k) own[i] += from[3 * k + i] * now_.velocity[k];
-        for (std::size_t k = 0; k < 3; ++k) {
-            now_.velocity[k] = 0.0;
-            for (std::size_t i = 0; i < 3; ++i) now_.velocity[k] += to[3 * k + i] * own[i];
-        }
-        std::copy_n(pose, 8, now_.pose);
-    }
+    if (doubt.anew)
+        return begin_wide([&] {
+            if (doubt.turned) return relocate(now_, event, true);
+            from_pose(event);
+        });
+    if (doubt.relocated) relocate(now_, event, false);
     for (std::size_t k = 0; k < 15; ++k) p_.row[k][k] += doubt.added[k / 3];
+}
+
+// On a relocated map the pose is the measured one, and the velocity turns along: errors, which
+// stand on the right, know nothing of that. And so may gravity.
+template <std::size_t N> void Timeline<N>::relocate(State &state, const Event &event, bool turned) {
+    static constexpr double one[8] = {1.0};
+    const double *imu_T_camera = event.kind == Kind::camera_pose ? state.imu_T_camera : one;
+    double spread[36], pose[8], from[9], to[9], own[3] = {};
+    motorcade_start(event.data, imu_T_camera, pose, spread);
+    motorcade_velocity_effect(state.pose, from);
+    motorcade_velocity_effect(pose, to);
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k) own[i] += from[3 * k + i] * state.velocity[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+        state.velocity[k] = 0.0;
+        for (std::size_t i = 0; i < 3; ++i) state.velocity[k] += to[3 * k + i] * own[i];
+    }
+    if (turned) {
+        double back[8] = {state.gravity_rotor[0]}, map[8], gravity[8];
+        for (std::size_t i = 1; i < 4; ++i) back[i] = -state.gravity_rotor[i];
+        motorcade_start(pose, state.pose, map, spread);
+        motorcade_start(map, back, gravity, spread);
+        std::copy_n(gravity, 4, state.gravity_rotor);
+    }
+    std::copy_n(pose, 8, state.pose);
 }
 
 }  // namespace motorcade::filter

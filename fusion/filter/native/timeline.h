@@ -187,6 +187,7 @@ protected:
     bool doubt_first_jump(std::size_t jump, Track<N> after);
     void restart(const State &at) { begun_ = at; }
     void begin_at(std::size_t index);
+    static void relocate(State &state, const Event &event, bool turned);
     std::size_t judge_before(Track<N> track, std::size_t birth);
     void may_start(std::size_t index);
     void put(std::size_t row, const Matrix<N> &p) const;

@@ -207,6 +207,7 @@ def test_recorded_flights_are_smoothed_as_without_what_is_wrong(name: str, how: 
         ("V1_03", 41, Drawn((30, 60), (0.03, 0.5), (0.1, 5.0)), 48),
         ("V1_03", 2311, Drawn(), 50),
         ("V1_02", 30000, Drawn(), 47),
+        ("V1_01", 40001, Drawn(), 42),
     ],
 )
 def test_most_poses_of_a_flight_are_not_denied_for_a_wrong_span(
