@@ -19,9 +19,10 @@ from motorcade.tracking.measurements import PoseMeasurements
 log = logging.getLogger("motorcade.fuse")
 
 _GLANCE_NS, _FEWEST_POSES, _APART_NS = 30_000_000_000, 60, 200_000_000
-_BESIDE_NS = 1_000_000_000
-"""What `fit_noise` looks at: the middle of a recording, and how many poses of it there must be;
-and how much of the stream before and behind these."""
+_BESIDE_NS, _SAMPLE_NS = 1_000_000_000, 20_000_000
+"""What `fit_noise` looks at: the middle of a recording, and how many poses of it there must be; how
+much of the stream before and behind these, and how far apart its samples may be, as those of a slow
+IMU are."""
 _TOLD = 1.92
 """By so much a log likelihood must tell one density from another, half of what chi-squared of one
 number reaches once in twenty; else the larger is taken, for too little noise is what makes a path
@@ -92,7 +93,7 @@ def fit_noise(
     if len(stamps) < _FEWEST_POSES or any(chosen.known_sigmas[1:]):
         return noise
     around = stamps[[0, -1]] + shift_ns + np.array([-_BESIDE_NS, _BESIDE_NS])
-    imu = imu.around(np.clip(around, imu.time_ns[0], imu.time_ns[-1]))
+    imu = _averaged(imu.around(np.clip(around, imu.time_ns[0], imu.time_ns[-1])))
     rows = np.arange(len(stamps)) > 0
     turn = (stamps - stamps[0]) // TURN_NS
     trials = Trials(used, imu, imu_T_camera, chosen, time_offset_s, rows)
@@ -139,6 +140,18 @@ def _most_measured(measurements: PoseMeasurements, imu: ImuStream, shift_ns: int
     parts = imu.segments()
     counts = [np.ptp(np.searchsorted(stamps, part.time_ns[[0, -1]])) for part in parts]
     return parts[int(np.argmax(counts))] if any(counts) else imu
+
+
+def _averaged(imu: ImuStream) -> ImuStream:
+    """Means of as many samples as lie within the interval; white noise keeps its density."""
+    size = max(1, int(_SAMPLE_NS // np.median(np.diff(imu.time_ns))))
+    count = len(imu.time_ns) // size * size
+    since = (imu.time_ns[:count] - imu.time_ns[0]).reshape(-1, size)
+    rate, force = (
+        one[:count].reshape(-1, size, 3).mean(axis=1)
+        for one in (imu.angular_rate_rad_s, imu.specific_force_m_s2)
+    )
+    return ImuStream(imu.time_ns[0] + since.mean(axis=1).astype(np.int64), rate, force)
 
 
 def _thinned(measurements: PoseMeasurements) -> PoseMeasurements:
