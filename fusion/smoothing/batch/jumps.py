@@ -90,9 +90,8 @@ def returned_levels(
 ) -> list[ReturnedLevel]:
     """Runs between two jumps behind which the level is that before; of less than half the poses.
 
-    One offset an axis then explains the poses as well as two jumps do, but for what chance does. At
-    an end too few poses may have returned for a jump of their own; then the offset must explain
-    them better than the other jump alone does.
+    One offset an axis then explains the poses as well as two jumps do, but for what chance does; or
+    better than one jump, where too few poses for another have returned before an end.
     """
     count, jumps = len(weights), measured.jumps.tolist()
     pairs = [

@@ -397,9 +397,8 @@ def _likeliest(
     """The likeliest models of a group whose errors last; none where white ones do as well.
 
     Their memory must make the values likelier by as much as G. Schwarz asks for of one number more
-    (Estimating the dimension of a model, Annals of Statistics 6, 1978), and the path must span it
-    many times. Where all motion would be errors that last, as stiff as splines get, it is no memory
-    that was found.
+    (Estimating the dimension of a model, Annals of Statistics 6, 1978). Where all motion would be
+    errors that last, as stiff as splines get, it is no memory that was found.
     """
     interval_s = float(np.median(np.diff(segments[0].time_s)))
     white = sum(chosen[k].likelihood for k in group)

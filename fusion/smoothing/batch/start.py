@@ -149,7 +149,9 @@ class PathStart:
         if not len(measured.jumps):
             return self
         other = self._with_runs_mirrored(measured, path, models)
-        return self._with_levels_returned(measured, path, models) if other is self else other
+        # No rigid offset is one of Euler angles, which leap and leap back where no pose does.
+        returning = other is self and measured.representation.coupled
+        return self._with_levels_returned(measured, path, models) if returning else other
 
     def _with_runs_mirrored(
         self, measured: Measured, path: FloatArray, models: AxisModels
