@@ -2,7 +2,8 @@
 
 The report opens it once more, for the copy of the footage that its viewer plays.
 
-A few, spread over the recording, are opened once more, for the light in them.
+A few, spread over the recording, are opened once more, for the light in them, and up to forty to
+see what stands before the figure.
 """
 
 import sys
@@ -17,6 +18,7 @@ import pytest
 from motorcade.replays.io.readers.opening import open_recording
 from motorcade.replays.pipeline.job import Job, run_job
 from motorcade.replays.stages.view.overlay import LIT_FRAMES
+from motorcade.tracking.depth.sweep import MOST_VIEWS
 
 _counted: list[Counter[Path]] = []
 
@@ -66,7 +68,8 @@ def test_a_run_opens_each_image_as_often_as_it_needs_it(
     counts = images(opened, board_recording)
     usual = np.full(len(counts), 3 if drawn else 2) + (until == "report")
     if drawn:
-        usual[np.unique(np.linspace(0, len(counts) - 1, LIT_FRAMES).round()).astype(int)] += 1
+        for often in (LIT_FRAMES, MOST_VIEWS):
+            usual[np.unique(np.linspace(0, len(counts) - 1, often).round()).astype(int)] += 1
     # The first is looked at for its size, a dozen spread over the recording for whether the board
     # is as stated, and one for what can be stood on.
     more = np.array(counts) - usual

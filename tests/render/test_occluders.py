@@ -206,7 +206,7 @@ def test_what_sinks_into_the_ground_is_hidden_by_it(figure: Character) -> None:
 @pytest.mark.parametrize("renderer", ["fast", "pyrender"])
 def test_light_and_shadow_go_with_a_figure_that_travels(figure: Character, renderer: str) -> None:
     """Far from where it was placed it looks as if it had been placed there."""
-    away = 75 * shade_step_m(SHADOW_REACH * 1.0)  # three heights
+    away = 75 * shade_step_m(SHADOW_REACH[0] * 1.0)  # three heights
     idle = figure.clip("idle")
     root = int(np.flatnonzero(figure.skeleton.parents < 0)[0])
     steps = [0.0, away * figure.height_m]

@@ -9,7 +9,7 @@ from tests.bench.view.film import COLUMNS, ROWS, film_lines, write_drawn
 
 
 def test_the_drawn_board_is_found_where_its_manifest_says_it_can_be(tmp_path: Path) -> None:
-    recording = open_recording(tmp_path, write_drawn(tmp_path, 320, 240))
+    recording = open_recording(tmp_path, write_drawn(tmp_path, 640, 480))
     assert recording.camera is not None
     assert isinstance(recording.board, Checkerboard)
     assert len(recording.frames) == 300

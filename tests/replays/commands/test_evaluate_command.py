@@ -108,7 +108,7 @@ def test_errors_and_an_image_are_written_where_asked(walk: Path) -> None:
         (["--relations", "ful"], "--relations: unknown 'ful'; did you mean full?"),
         (["--plot", "errors.png"], "--plot: expected a name ending in .svg, got errors.png"),
         (["--drift", "ten"], "--drift: expected kitti, or lengths in metres"),
-        (["--drift", "0"], "length_m: expected above 0"),
+        (["--drift", "0"], "length_m: expected a number above 0"),
         (["--delta", "1.5"], "delta: expected a whole number of frames, got 1.5"),
         (["--delta", "200", "--delta-unit", "deg"], "delta: expected above 0 and at most 180 deg"),
         (["--delta-tolerance", "nan"], "delta tolerance: expected 0 or more"),

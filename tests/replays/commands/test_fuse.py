@@ -68,6 +68,7 @@ def test_no_zero_is_printed_as_a_negative_one(
 ) -> None:
     np.savetxt(tmp_path / "turned.txt", np.diag([1.0, -1.0, -1.0, 1.0]))
     given = ["--extrinsics", tmp_path / "turned.txt", "--extrinsics-sigma-deg", 0]
+    given += ["--least-accepted", 0]  # the IMU is turned, and denies most poses
     fused(files, tmp_path / "a.tum", *given)
     assert "-0" not in capsys.readouterr().out.split()
 

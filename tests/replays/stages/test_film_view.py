@@ -19,7 +19,9 @@ def test_the_first_tile_is_about_the_film_and_names_what_is_not_sure() -> None:
     path = MOTIONS["handheld"].sampled(rate_hz=10.0, duration_s=1.0)
     checks = (AuditFinding("coverage", "consistent", 0.0, "share", "all have a pose"),)
     findings: Any = SimpleNamespace(
-        integrity=Integrity(checks, {}, path, "smoothed"), doubts=("the focal length is a guess",)
+        integrity=Integrity(checks, {}, path, "smoothed"),
+        doubts=("the focal length is a guess",),
+        recording=SimpleNamespace(people="none"),
     )
     film = FilmView(180, 172, 216.0, 0.2, "the board")
     label = verdict(findings, film).label

@@ -126,7 +126,11 @@ def test_the_first_tile_says_whether_the_result_can_be_relied_on(
     )
     failed = [check.name for check in checks if not check.passed]
     drawn_is: Any = "measured" if failed else "smoothed"
-    found: Any = SimpleNamespace(integrity=Integrity(checks, {}, path, drawn_is), doubts=())
+    found: Any = SimpleNamespace(
+        integrity=Integrity(checks, {}, path, drawn_is),
+        doubts=(),
+        recording=SimpleNamespace(people="none"),
+    )
     tile = verdict(found, None)
     assert tile.value == value
     assert tile.wrong == bool(failed)
