@@ -358,6 +358,9 @@ SELDOM = 0.1
 SHADOW_RAD, HEIGHT_RAD, SLOPE_RAD = np.deg2rad([4.0, 2.0, 35.0])
 """Of shadows beside what their fits say: things are no round posts."""
 WITHIN = 0.68
+LONE_RAD = 0.1
+"""By a single shadow a light is believed that is no wider (10 cm at a metre): a softer one may be
+the sky that two things hide from each other's foot."""
 WRONG = 0.25
 """Of shadows, slopes and faces: so many are something else, and say nothing."""
 PAPERS, FEWEST_FACES = 0.25, 5
@@ -416,6 +419,8 @@ def light_direction(
     usual = (height > ELEVATIONS_RAD[0]) & (height < ELEVATIONS_RAD[1])
     weight = np.where(usual, 1.0, SELDOM) / np.maximum(np.cos(height), 0.1)
     by: list[str] = []
+    if len(shadows) == 1 and shadows[0].radius2 > LONE_RAD**2:
+        shadows = []
     if ground is not None:
         x, y = ground.world_T_ground.rotor.apply(np.eye(3)[:2])
         side = np.arctan2(sky @ y, sky @ x)

@@ -86,7 +86,8 @@ def refine_saddles(
         inside &= saddle
         signal = seen(places, offset_m=0.6 * clear_m)
     near = np.linalg.norm(places - corners_px, axis=1) <= window
-    usual = float(np.median(signal[signal >= _COMPARABLE * signal.max()]))
+    most = float(signal.max())
+    usual = float(np.median(signal[signal >= _COMPARABLE * most])) if most > 0.0 else 0.0
     good = inside & near & (signal >= max(_LEAST_CONTRAST * usual, 1.0))
     unlike = _asymmetry(image, points_m, places, homography, clear_m)
     noise = float(np.median(unlike[good])) if good.any() else 0.0

@@ -362,7 +362,8 @@ def _focal_of(
         alone = fit_points(*_often_seen(part, state))
     except (ValueError, np.linalg.LinAlgError):
         return None
-    return float(alone.state.numbers[0]), float(np.sqrt(alone.covariance[0, 0]))
+    variance = float(alone.covariance[0, 0])  # below 0 by rounding where nothing tells it
+    return (float(alone.state.numbers[0]), variance**0.5) if variance > 0.0 else None
 
 
 def _unfolded(frames: _Frames, seen: PointObservations, fit: PointFit) -> PointFit:
