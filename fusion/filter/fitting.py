@@ -148,8 +148,8 @@ def _averaged(imu: ImuStream) -> ImuStream:
     count = len(imu.time_ns) // size * size
     since = (imu.time_ns[:count] - imu.time_ns[0]).reshape(-1, size)
     rate, force = (
-        one[:count].reshape(-1, size, 3).mean(axis=1)
-        for one in (imu.angular_rate_rad_s, imu.specific_force_m_s2)
+        readings[:count].reshape(-1, size, 3).mean(axis=1)
+        for readings in (imu.angular_rate_rad_s, imu.specific_force_m_s2)
     )
     return ImuStream(imu.time_ns[0] + since.mean(axis=1).astype(np.int64), rate, force)
 

@@ -119,9 +119,9 @@ def people(images: SeenImages) -> MaskFiles:
     size = frames[0].image().shape[1::-1]
     shown = (frame.image() for frame in track(frames, "looking for people", len(frames)))
     files, left = dict[int, Path](), list[float]()
-    for row, found in enumerate(find_people(shown, nets.detect, nets.segment)):
-        if found is not None:
-            mask, files[row] = cv2.resize(found, size), new_file("mask.png")
+    for row, small in enumerate(find_people(shown, nets.detect, nets.segment)):
+        if small is not None:
+            mask, files[row] = cv2.resize(small, size), new_file("mask.png")
             files[row].write_bytes(cv2.imencode(".png", mask)[1].tobytes())
             if len(files) % _EACH == 1:
                 px = np.asarray(cv2.goodFeaturesToTrack(frames[row].gray(), 200, 0.01, 5))

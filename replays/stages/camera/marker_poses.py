@@ -127,10 +127,10 @@ def marker_poses(
     unsure_s2 = np.zeros((0, 0))
     if len(streams) == 1 and seen.posed is None:
         remap = partial(map_or_track, most_px=limit_px)
-        streams, mapped, found, unsure_s2 = _read_at_once(
+        streams, mapped, findings, unsure_s2 = _read_at_once(
             recording, streams, mapped, remap, noise_px
         )
-        audit += found
+        audit += findings
     if recording.markers is not None and shown:
         drawn = _drawn(shown, streams[_ONLY], mapped, recording.markers.family)
         audit = (pixels_finding(drawn, streams[_ONLY].camera, limit_px), *audit)
@@ -184,10 +184,10 @@ def _read_at_once(
         streams, mapped = unrolled(recording.shutter_s)
     if recording.markers is None:
         return streams, mapped, (), np.zeros((0, 0))
-    found, off_s, unsure_s2 = audited_markers(recording, streams[name], mapped, noise_px)
+    findings, off_s, unsure_s2 = audited_markers(recording, streams[name], mapped, noise_px)
     if off_s.any():
         streams, mapped = unrolled(recording.shutter_s + off_s)
-    return streams, mapped, found, unsure_s2
+    return streams, mapped, findings, unsure_s2
 
 
 def _instead(recording: Recording) -> str:
