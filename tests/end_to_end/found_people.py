@@ -10,7 +10,6 @@ with 1 where the median is below 0.9, or nobody is masked; for misses there is n
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,9 +27,10 @@ from motorcade.replays.pipeline.described.people import BlazePose, weights_folde
 from motorcade.tracking import Camera
 from motorcade.tracking.masks import refine_mask
 from motorcade.tracking.people import find_people, overlap
+from tests.bench.data import data_folder
 
 Image = NDArray[np.uint8]
-DATA = Path(os.environ.get("MOTORCADE_DATA", "/work/shared/data"))
+DATA = data_folder()
 SIZE, COUNT, RATE_HZ, EYE_M, HEIGHT_M, LEAST = (640, 360), 30, 15.0, 1.5, 1.75, 0.9
 RIGS = ("makehuman/mh_male_ge53_135k_dressed.glb", "makehuman/mh_male_ge53_27k.glb")
 MOTIONS, AWAY_M = ("cmu_01_01_playground", "cmu_jumping_jacks"), (2.5, 4.0, 7.0)

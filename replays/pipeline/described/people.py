@@ -25,7 +25,6 @@ from motorcade.tracking.people import LEAST_SCORE, SeenPerson, find_people
 
 log = logging.getLogger("motorcade.graph")
 
-HOW_TO_INSTALL = "pip install ai-edge-litert && pip install --no-deps mediapipe==0.10.14"
 _NETS = ("pose_detection/pose_detection.tflite", "pose_landmark/pose_landmark_full.tflite")
 _NET_LIMIT = 1 << 26
 _LOOK_PX, _BODY_PX, _GRIDS = 224, 256, ((28, 2), (14, 2), (7, 6))
@@ -124,8 +123,10 @@ def people(images: SeenImages) -> MaskFiles:
             mask, files[row] = cv2.resize(small, size), new_file("mask.png")
             files[row].write_bytes(cv2.imencode(".png", mask)[1].tobytes())
             if len(files) % _EACH == 1:
-                px = np.asarray(cv2.goodFeaturesToTrack(frames[row].gray(), 200, 0.01, 5))
-                left.append(float(np.mean(mask[*px.reshape(-1, 2).T[::-1].astype(int)] < 128)))
+                corners = cv2.goodFeaturesToTrack(frames[row].gray(), 200, 0.01, 5)
+                if corners is not None:
+                    columns, rows = corners.reshape(-1, 2).T.astype(int)
+                    left.append(float(np.mean(mask[rows, columns] < 128)))
     if left and np.median(left) < _SEEN:
         log.warning("people: left in, as masks of them would hide nearly all that can be tracked")
         files.clear()
@@ -143,7 +144,8 @@ def with_people(recording: Recording, cache: Path) -> Recording:
     if not bare or recording.people == "none" or (weights is None and recording.people == "auto"):
         return recording
     if weights is None:
-        raise refusal(recording.root, "no nets here", field="masks", advice=HOW_TO_INSTALL)
+        advice = "`motorcade doctor` says how to install them"
+        raise refusal(recording.root, "no nets that find people", field="masks", advice=advice)
     graph, images = Graph([people], {"images": SeenImages}), SeenImages(frames, weights)
     masks: MaskFiles = graph.run("people", {"images": images}, cache, {}).outputs["people"]
     if not masks.files:

@@ -98,7 +98,7 @@ def test_without_nets_nothing_changes_unless_they_are_asked_for(
     bare = recorded(tmp_path / "clip")
     assert with_people(bare, tmp_path / "cache") is bare
     asked = recorded(tmp_path / "asked", 'masks = "people"')
-    with pytest.raises(RecordingError, match=r"masks.*pip install --no-deps mediapipe"):
+    with pytest.raises(RecordingError, match=r"masks.*motorcade doctor"):
         with_people(asked, tmp_path / "cache")
 
 
